@@ -3,3 +3,5 @@
 //! Everything is plain data and pure steps: a [`world::World`](crate) owns all state, entities are handles, and each stage of a
 //! frame is a named function whose inputs and outputs a probe can see.
 #![forbid(unsafe_code)]
+
+pub mod frame;
