@@ -2,4 +2,4 @@
 
 pub mod state;
 
-pub use state::FrameState;
+pub use state::{FrameState, FrameStates};

@@ -423,6 +423,55 @@ impl FrameState {
     }
 }
 
+/// A list of records that keeps the memory of its records when it is cleared: what a frame writes into.
+#[derive(Clone, Debug, Default)]
+pub struct FrameStates {
+    slots: Vec<FrameState>,
+    len: usize,
+}
+
+impl FrameStates {
+    /// An empty list.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Forgets the records, keeps their memory.
+    pub fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    /// Appends the empty record of an entity and hands it out for filling in.
+    pub fn push(&mut self, frame: i32, time: f64, guid: u32) -> &mut FrameState {
+        if self.len == self.slots.len() {
+            self.slots.push(FrameState::default());
+        }
+        self.len += 1;
+        let slot = &mut self.slots[self.len - 1];
+        slot.reset(frame, time, guid);
+        slot
+    }
+
+    /// The record of an entity.
+    pub fn of(&self, guid: u32) -> Option<&FrameState> {
+        self.iter().find(|state| state.guid == guid)
+    }
+}
+
+impl std::ops::Deref for FrameStates {
+    type Target = [FrameState];
+
+    fn deref(&self) -> &[FrameState] {
+        &self.slots[..self.len]
+    }
+}
+
+impl std::ops::DerefMut for FrameStates {
+    fn deref_mut(&mut self) -> &mut [FrameState] {
+        &mut self.slots[..self.len]
+    }
+}
+
 fn bits3(v: [f32; 3]) -> [u32; 3] {
     v.map(f32::to_bits)
 }
