@@ -1,0 +1,134 @@
+//! Quaternions in the order w, x, y, z (`spec/01`, section 6).
+
+use super::vector::EPSILON;
+use super::{Vec3, vector};
+use crate::profile::{Profile, RotateVector};
+
+/// A rotation `(w, x, y, z)`, Hamilton product, rotating column vectors: `v' = q v q*`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quat {
+    /// Real part.
+    pub w: f32,
+    /// First imaginary part.
+    pub x: f32,
+    /// Second imaginary part.
+    pub y: f32,
+    /// Third imaginary part.
+    pub z: f32,
+}
+
+impl Quat {
+    /// No rotation.
+    pub const IDENTITY: Self = Self::new(1.0, 0.0, 0.0, 0.0);
+
+    /// A quaternion from its components; not normalised.
+    pub const fn new(w: f32, x: f32, y: f32, z: f32) -> Self {
+        Self { w, x, y, z }
+    }
+
+    /// The product `self · rhs`: first `rhs`, then `self`. Terms are added in the order of the specification (6.1).
+    pub fn mul(self, rhs: Self) -> Self {
+        let (a, b) = (self, rhs);
+        Self {
+            w: a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
+            x: a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+            y: a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+            z: a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
+        }
+    }
+
+    /// The conjugate `(w, −x, −y, −z)`.
+    pub fn conjugate(self) -> Self {
+        Self::new(self.w, -self.x, -self.y, -self.z)
+    }
+
+    /// All four components negated: the same rotation.
+    pub fn negated(self) -> Self {
+        Self::new(-self.w, -self.x, -self.y, -self.z)
+    }
+
+    /// The inverse as profile `ace` computes it: the conjugate divided by the squared length.
+    pub fn inverse(self) -> Self {
+        let k = (self.x * self.x + self.y * self.y) + (self.z * self.z + self.w * self.w);
+        Self::new(self.w / k, -self.x / k, -self.y / k, -self.z / k)
+    }
+
+    /// Sum of the products of the components: w, x, y, z.
+    pub fn dot(self, rhs: Self) -> f32 {
+        self.w * rhs.w + self.x * rhs.x + self.y * rhs.y + self.z * rhs.z
+    }
+
+    /// Length; terms added in the order x, y, z, w.
+    pub fn length(self) -> f32 {
+        (self.x * self.x + self.y * self.y + self.z * self.z + self.w * self.w).sqrt()
+    }
+
+    /// Unit quaternion; NaN for the zero quaternion.
+    pub fn normalized(self, profile: &Profile) -> Self {
+        match profile.rotate_vector {
+            RotateVector::Matrix => {
+                let k = 1.0 / self.length();
+                Self::new(self.w * k, self.x * k, self.y * k, self.z * k)
+            }
+            RotateVector::Quaternion => {
+                let l = ((self.x * self.x + self.y * self.y) + (self.z * self.z + self.w * self.w))
+                    .sqrt();
+                Self::new(self.w / l, self.x / l, self.y / l, self.z / l)
+            }
+        }
+    }
+
+    /// Whether no component is NaN and the squared length (`01:F10`: the length) is within 5 ε of 1.
+    pub fn is_valid(self, profile: &Profile) -> bool {
+        let s = self.w * self.w + self.x * self.x + self.y * self.y + self.z * self.z;
+        let measure = if profile.rotation_valid_by_length {
+            s.sqrt()
+        } else {
+            s
+        };
+        // A NaN component makes the sum NaN, and the comparison false.
+        (measure - 1.0).abs() <= EPSILON * 5.0
+    }
+
+    /// Whether all four components differ by less than ε. `q` and `−q` are not equal.
+    pub fn is_equal(self, rhs: Self, profile: &Profile) -> bool {
+        vector::near(self.w, rhs.w, profile)
+            && vector::near(self.x, rhs.x, profile)
+            && vector::near(self.y, rhs.y, profile)
+            && vector::near(self.z, rhs.z, profile)
+    }
+
+    /// Rotates a vector by the quaternion form of `spec/oracles.md`, 4.2 (profile `ace`).
+    pub(super) fn rotate(self, v: Vec3) -> Vec3 {
+        let Self { w, x, y, z } = self;
+        let (x2, y2, z2) = (x + x, y + y, z + z);
+        let (wx2, wy2, wz2) = (w * x2, w * y2, w * z2);
+        let (xx2, xy2, xz2) = (x * x2, x * y2, x * z2);
+        let (yy2, yz2, zz2) = (y * y2, y * z2, z * z2);
+        Vec3::new(
+            v.x * (1.0 - yy2 - zz2) + v.y * (xy2 - wz2) + v.z * (xz2 + wy2),
+            v.x * (xy2 + wz2) + v.y * (1.0 - xx2 - zz2) + v.z * (yz2 - wx2),
+            v.x * (xz2 - wy2) + v.y * (yz2 + wx2) + v.z * (1.0 - xx2 - yy2),
+        )
+    }
+
+    /// Rotates a vector back by the rows of `spec/oracles.md`, 4.2 (profile `ace`).
+    pub(super) fn rotate_back(self, v: Vec3) -> Vec3 {
+        let Self { w, x, y, z } = self;
+        let (xx, yy, zz) = (x * x, y * y, z * z);
+        let (xy, xz, yz) = (x * y, x * z, y * z);
+        let (wx, wy, wz) = (w * x, w * y, w * z);
+        let row = |a: f32, b: f32, c: f32| a * v.x + b * v.y + c * v.z + 0.0;
+        Vec3::new(
+            row(1.0 - 2.0 * (yy + zz), 2.0 * (xy + wz), 2.0 * (xz - wy)),
+            row(2.0 * (xy - wz), 1.0 - 2.0 * (zz + xx), 2.0 * (yz + wx)),
+            row(2.0 * (xz + wy), 2.0 * (yz - wx), 1.0 - 2.0 * (yy + xx)),
+        )
+    }
+}
+
+impl Default for Quat {
+    fn default() -> Self {
+        Self::IDENTITY
+    }
+}

@@ -1,0 +1,6 @@
+//! Physics: object state, integration, collision response, and the swept-sphere transition.
+
+pub mod body;
+pub mod collision;
+pub mod state;
+pub mod transition;

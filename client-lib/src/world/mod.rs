@@ -1,0 +1,9 @@
+//! The world: landblocks, terrain, cells, static objects, and the entities in them.
+
+#[allow(
+    clippy::module_inception,
+    reason = "the type World lives in the file of its name"
+)]
+mod world;
+
+pub use world::{CellHandle, World};
