@@ -33,7 +33,9 @@ pub enum MotionTableError {
     #[error("the motion table has no such motion in the present state")]
     NoMotionData,
     /// The table's modifiers install each other without end; the references overflow their stack (`spec/07-animation.md`, 10.6).
-    #[error("motion table 0x{table:08X}: modifiers that are substates install each other without end")]
+    #[error(
+        "motion table 0x{table:08X}: modifiers that are substates install each other without end"
+    )]
     Endless {
         /// The table.
         table: u32,

@@ -129,9 +129,15 @@ impl Sequence {
         };
         // Time never runs backwards on the client path; kept for completeness.
         let forwards = t >= 0.0;
-        self.hand_over(current, t, update, |rate| {
-            if forwards { rate < 0.0 } else { rate >= 0.0 }
-        }, Frame::subtract_animation);
+        self.hand_over(
+            current,
+            t,
+            update,
+            |rate| {
+                if forwards { rate < 0.0 } else { rate >= 0.0 }
+            },
+            Frame::subtract_animation,
+        );
         let next = if forwards {
             (current + 1).min(tail)
         } else {
@@ -141,9 +147,15 @@ impl Sequence {
         if !forwards && let Some(node) = self.nodes.get(next) {
             self.frame_number = node.ending_frame();
         }
-        self.hand_over(next, t, update, |rate| {
-            if forwards { rate > 0.0 } else { rate < 0.0 }
-        }, Frame::combine);
+        self.hand_over(
+            next,
+            t,
+            update,
+            |rate| {
+                if forwards { rate > 0.0 } else { rate < 0.0 }
+            },
+            Frame::combine,
+        );
     }
 
     /// Applies the frame at which a node is entered or left, if it plays in the direction for which this frame is due.
@@ -216,7 +228,11 @@ impl Update<'_> {
             Playing::Up => (1.0, HookDirection::FORWARD, Frame::combine),
             Playing::Down => (-1.0, HookDirection::BACKWARD, Frame::subtract_animation),
         };
-        while if playing == Playing::Up { now > last } else { now < last } {
+        while if playing == Playing::Up {
+            now > last
+        } else {
+            now < last
+        } {
             self.step(node)?;
             let index = last as i32;
             self.move_by(node, node.pos_frame(index), apply, t);
