@@ -5,7 +5,8 @@ use super::{
     CELLS, Detail, DetailScale, HeightTable, VERTICES, VERTICES_PER_SIDE, WaterType, detail,
     is_sw_to_ne_cut,
 };
-use crate::math::{BLOCK_LENGTH, CellId, LandCoord, Vec3};
+use crate::math::vector::normalize;
+use crate::math::{BLOCK_LENGTH, CellId, Direction, LandCoord, Plane, Vec3};
 use crate::physics::collision::Polygon;
 use crate::profile::Profile;
 
@@ -18,6 +19,51 @@ pub struct TerrainVertices {
     pub words: [u16; VERTICES],
 }
 
+/// Half of a terrain square, in block space (m).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Triangle {
+    /// Its plane; the normal points up.
+    pub plane: Plane,
+    /// Corners, counter-clockwise from above.
+    pub vertices: [Vec3; 3],
+}
+
+impl Triangle {
+    /// A triangle with its plane (8.2): sum of cross products, normalised, offset averaged over the corners.
+    pub fn new(vertices: [Vec3; 3], profile: &Profile) -> Self {
+        let [a, b, c] = vertices;
+        let n = normalize(Vec3::ZERO + (b - a).cross(c - a), profile);
+        let sum = ((0.0 + n.dot(a)) + n.dot(b)) + n.dot(c);
+        Self {
+            plane: Plane { n, d: -(sum / 3.0) },
+            vertices,
+        }
+    }
+
+    /// The triangle as a collision polygon.
+    pub fn polygon(&self) -> Polygon<'_> {
+        Polygon {
+            plane: self.plane,
+            vertices: &self.vertices,
+            single_sided: true,
+        }
+    }
+
+    /// Whether (x, y) of a point is inside or on an edge (10.1, positive side). A NaN point is inside: no comparison is true.
+    pub fn contains(&self, point: Vec3) -> bool {
+        let mut prev = self.vertices[0];
+        for cur in [self.vertices[2], self.vertices[1], self.vertices[0]] {
+            let (dx, dy) = (cur.x - prev.x, cur.y - prev.y);
+            let s = ((dy * cur.x - dx * cur.y) + dx * point.y) - dy * point.x;
+            if s > 0.0 {
+                return false;
+            }
+            prev = cur;
+        }
+        true
+    }
+}
+
 /// Terrain of one landblock, in its own space (m).
 #[derive(Debug, Clone)]
 pub struct TerrainBlock {
@@ -27,7 +73,7 @@ pub struct TerrainBlock {
     /// Index `i * (side + 1) + j`.
     vertices: Vec<Vec3>,
     /// Index `2 * (x * side + y) + k`.
-    polygons: Vec<Polygon>,
+    triangles: Vec<Triangle>,
     /// Bit `x * side + y`: the square is cut from south-west to north-east.
     cuts: u64,
     cell_water: [WaterType; CELLS],
@@ -47,7 +93,7 @@ impl TerrainBlock {
             source,
             detail: None,
             vertices: Vec::new(),
-            polygons: Vec::new(),
+            triangles: Vec::new(),
             cuts: 0,
             cell_water: [WaterType::None; CELLS],
             block_water: WaterType::None,
@@ -65,7 +111,7 @@ impl TerrainBlock {
         let rebuilt = self.detail.map(|d| d.scale) != Some(detail.scale);
         self.detail = Some(detail);
         self.place_vertices(detail, table);
-        self.make_polygons(detail.scale, profile);
+        self.make_triangles(detail.scale, profile);
         self.calc_water(detail.scale);
         rebuilt
     }
@@ -82,19 +128,19 @@ impl TerrainBlock {
                     .push(Vec3::new(i as f32 * step, j as f32 * step, z));
             }
         }
-        if detail.direction != crate::math::Direction::Inside && side > 1 && side < 8 {
+        if detail.direction != Direction::Inside && side > 1 && side < 8 {
             detail::stitch(&mut self.vertices, detail, heights, table);
         }
     }
 
     /// Triangles with corners counter-clockwise from above (8.1). A coarse square has the cut of the full-detail cell of the same number.
-    fn make_polygons(&mut self, scale: DetailScale, profile: &Profile) {
+    fn make_triangles(&mut self, scale: DetailScale, profile: &Profile) {
         let side = scale.squares_per_side();
         let base = LandCoord {
             x: self.block.block_x() * 8,
             y: self.block.block_y() * 8,
         };
-        self.polygons.clear();
+        self.triangles.clear();
         self.cuts = 0;
         for x in 0..side {
             for y in 0..side {
@@ -111,7 +157,7 @@ impl TerrainBlock {
                     [[sw, se, nw], [ne, nw, se]]
                 };
                 for triangle in corners {
-                    self.polygons.push(Polygon::new(&triangle, profile));
+                    self.triangles.push(Triangle::new(triangle, profile));
                 }
             }
         }
@@ -162,8 +208,8 @@ impl TerrainBlock {
     }
 
     /// Triangles, index `2 * (x * side + y) + k`.
-    pub fn polygons(&self) -> &[Polygon] {
-        &self.polygons
+    pub fn triangles(&self) -> &[Triangle] {
+        &self.triangles
     }
 
     /// Whether square `index` is cut from south-west to north-east.
@@ -181,6 +227,11 @@ impl TerrainBlock {
         self.block_water
     }
 
+    /// Id of outdoor cell `index` (0..64) of this block.
+    pub fn cell_id(&self, index: usize) -> CellId {
+        self.block.with_low(index as u32 + 1)
+    }
+
     /// Index of an outdoor cell of this block; `None` for other ids and at reduced detail.
     pub fn cell_index(&self, id: CellId) -> Option<usize> {
         if !id.same_block(self.block) || !self.is_full_detail() {
@@ -191,16 +242,16 @@ impl TerrainBlock {
 
     /// The triangle of full-detail cell `index` (0..64) below or above a point (m, block space): the first if the point is in both (10.2).
     /// Also answers whether it is the first (0) or second (1).
-    pub fn find_terrain_poly(&self, index: usize, point: Vec3) -> Option<(usize, &Polygon)> {
-        let pair = self.polygons.get(2 * index..2 * index + 2)?;
+    pub fn find_terrain_poly(&self, index: usize, point: Vec3) -> Option<(usize, &Triangle)> {
+        let pair = self.triangles.get(2 * index..2 * index + 2)?;
         pair.iter()
             .enumerate()
-            .find(|(_, triangle)| triangle.point_in_poly_2d(point, crate::math::Sidedness::Positive))
+            .find(|(_, triangle)| triangle.contains(point))
     }
 
     /// Height of the terrain at (x, y) of a point (m, block space), in the outdoor cell that the point is in; `None` outside the block.
-    pub fn height_at(&self, point: Vec3) -> Option<f32> {
-        let cell = self.block.outside_coord(point.x, point.y)?.cell_id();
+    pub fn height_at(&self, point: Vec3, profile: &Profile) -> Option<f32> {
+        let cell = self.block.outside_coord(point.x, point.y, profile)?.cell_id();
         let index = self.cell_index(cell)?;
         self.find_terrain_poly(index, point)?.1.plane.height_at(point)
     }

@@ -11,11 +11,10 @@ mod block;
 mod detail;
 mod height_table;
 mod road;
-pub mod scenery;
 mod split;
 mod water;
 
-pub use block::{TerrainBlock, TerrainVertices};
+pub use block::{TerrainBlock, TerrainVertices, Triangle};
 pub use detail::{Detail, DetailScale};
 pub use height_table::HeightTable;
 pub use road::on_road;
