@@ -7,4 +7,4 @@ pub mod terrain;
 )]
 mod world;
 
-pub use world::{CellHandle, World};
+pub use world::{CellHandle, Clock, World};
