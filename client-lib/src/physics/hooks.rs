@@ -22,7 +22,7 @@ impl Entity {
         while let Some(hook) = self.queued_hook(index) {
             index += 1;
             if is_executed(&hook, &world.profile) {
-                self.events.push(FrameEvent::AnimHook(hook.type_number()));
+                self.events.push(FrameEvent::AnimHook(hook.kind()));
                 self.execute_hook(hook, world);
             }
         }
@@ -75,7 +75,7 @@ impl Entity {
             HookAction::Scale { end, time } => self.set_scale(end, f64::from(time), world),
             HookAction::NoDraw { value } => self.set_no_draw(value != 0),
             HookAction::SetOmega { axis } => self.kin.omega = axis,
-            HookAction::SetLight { value } => self.set_lights(value != 0),
+            HookAction::SetLight { on } => self.set_lights(on != 0),
             // Game logic (3), particles (13 to 15, 26), scripts (17 to 19), and what only draws or sounds.
             _ => {}
         }
