@@ -2,6 +2,7 @@
 
 use super::state::{InsertType, ObjectInfoState, Transition, TransitionState};
 use crate::physics::body::{Body, ObjectRef};
+use crate::physics::collision::find_part_collisions;
 use crate::physics::state::PhysicsState;
 
 impl<'w> Transition<'w> {
@@ -39,6 +40,24 @@ impl<'w> Transition<'w> {
         result
     }
 
+    /// Tests the shapes of `body`: the first outcome that is not OK.
+    fn test_shapes(&mut self, body: &'w Body, creature: bool) -> TransitionState {
+        let Some(parts) = &body.part_array else {
+            return TransitionState::Ok;
+        };
+        if body.state.contains(PhysicsState::HAS_PHYSICS_BSP) {
+            return find_part_collisions(parts.placed_parts(), self);
+        }
+        let (position, scale) = (&body.position, body.scale);
+        let cylinders = parts.cyl_spheres();
+        if !cylinders.is_empty() {
+            return first_hit(cylinders, |c| c.intersects_sphere_at(position, scale, self));
+        }
+        first_hit(parts.spheres(), |s| {
+            s.intersects_sphere_at(position, scale, self, creature)
+        })
+    }
+
     /// Notes that `body` was hit, and answers what the hit counts for: nothing if the mover passes through it.
     fn record_touch(
         &mut self,
@@ -71,6 +90,14 @@ impl<'w> Transition<'w> {
         self.check_pos_to_curr_pos();
         self.find_obj_collisions(target, body) != TransitionState::Ok
     }
+}
+
+fn first_hit<S>(shapes: &[S], test: impl FnMut(&S) -> TransitionState) -> TransitionState {
+    shapes
+        .iter()
+        .map(test)
+        .find(|&ts| ts != TransitionState::Ok)
+        .unwrap_or(TransitionState::Ok)
 }
 
 impl super::state::CollisionInfo {

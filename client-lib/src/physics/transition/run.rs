@@ -3,12 +3,12 @@
 //! [`World::run_transition`] runs one from plain data to plain data: the same input and world always give the same result, whatever happened to
 //! be loaded. A run that meets something not yet loaded is thrown away, the missing piece loaded, and the run repeated; only the last one counts.
 
-use super::slots::{LeftFields, Transit};
+use super::slots::Transit;
 use super::state::{
     CellArray, CollisionInfo, ContactPlane, ObjectInfo, ObjectInfoState, Progress, Transition,
     TransitionState,
 };
-use crate::math::{Position, Sphere, Vec3};
+use crate::math::{CellId, Position, Sphere, Vec3};
 use crate::physics::body::{Body, ObjectRef};
 use crate::profile::{DummySphere, Profile};
 use crate::world::{CellHandle, World};
@@ -209,9 +209,8 @@ impl TransitionResult {
 }
 
 impl TransitionInput {
-    /// Prepares `t` (fresh, in a slot that keeps `left`) to run.
-    fn prepare(&self, t: &mut Transition<'_>, left: &LeftFields) {
-        t.take_left_fields(left);
+    /// Prepares a fresh transition to run.
+    fn prepare(&self, t: &mut Transition<'_>) {
         t.init_object(&self.mover);
         t.init_sphere(self.spheres.as_slice(), 1.0);
         self.seed_contact(t);
@@ -262,13 +261,14 @@ impl World {
     /// Loads what the run turns out to need. The slot's memory changes only by the run that counts.
     pub fn run_transition(&mut self, transit: &mut Transit, input: &TransitionInput) -> bool {
         transit.result.reset();
-        self.run(transit, input, |t| t.find_valid_position())
+        self.run(transit, input, None, None)
     }
 
     /// As [`run_transition`](Self::run_transition), for another try in the same transition: the path begins anew, what was touched before stays
     /// (`SetScatterPositionInternal`, 06 C3).
     pub fn run_transition_again(&mut self, transit: &mut Transit, input: &TransitionInput) -> bool {
-        self.run(transit, input, |t| t.find_valid_position())
+        let touched = transit.result.info.clone();
+        self.run(transit, input, None, Some(&touched))
     }
 
     /// Would the mover of `input`, which stands at both ends of its path, touch `target`, whose body is `body`? (`check_collision`, 10.15.)
@@ -281,18 +281,51 @@ impl World {
         body: &Body,
     ) -> bool {
         transit.result.reset();
-        self.run(transit, input, |t| t.check_collisions(target, body))
+        self.run(transit, input, Some((target, body)), None)
     }
 
-    fn run<'b>(
+    fn run(
         &mut self,
         transit: &mut Transit,
         input: &TransitionInput,
-        body: impl for<'w> Fn(&mut Transition<'w>) -> bool,
-    ) -> bool
-    where
-        Self: 'b,
-    {
-        todo!()
+        target: Option<(ObjectRef, &Body)>,
+        touched: Option<&CollisionInfo>,
+    ) -> bool {
+        loop {
+            let missing = self.run_once(transit, input, target, touched.is_some());
+            let loaded = missing.is_some_and(|id| self.load_for_transition(id));
+            if !loaded {
+                self.slots.keep_left_fields(transit);
+                return transit.result.valid;
+            }
+            transit.result.reset();
+            if let Some(info) = touched {
+                transit.result.info.clone_from(info);
+            }
+        }
+    }
+
+    /// One run on the world as it is. Answers what was missing.
+    fn run_once(
+        &self,
+        transit: &mut Transit,
+        input: &TransitionInput,
+        target: Option<(ObjectRef, &Body)>,
+        again: bool,
+    ) -> Option<CellId> {
+        let mut t = Transition::new(self);
+        t.info = std::mem::take(&mut transit.result.info);
+        t.cells = std::mem::take(&mut transit.result.cells);
+        if !again {
+            t.take_left_fields(&self.slots.left_fields(transit));
+        }
+        input.prepare(&mut t);
+        let valid = match target {
+            Some((object, body)) => t.check_collisions(object, body),
+            None => t.find_valid_position(),
+        };
+        let missing = t.missing;
+        transit.result.take_from(t, valid);
+        missing
     }
 }

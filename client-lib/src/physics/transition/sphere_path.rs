@@ -1,7 +1,7 @@
 //! Operations on the path that need cells or polygons (`spec/05-transition.md`, section 8).
 
 use super::state::{Transition, TransitionState};
-use crate::math::{CellId, Position, block_offset};
+use crate::math::{CellId, Position, Vec3, block_offset};
 use crate::world::CellHandle;
 
 impl Transition<'_> {
@@ -70,13 +70,15 @@ impl Transition<'_> {
         let Some(polygon) = self.path.walkable.take() else {
             return TransitionState::Collided;
         };
-        let edge = polygon.find_crossed_edge(&self.path.walkable_check_pos, self.path.walkable_up);
+        let profile = self.profile();
+        let (sphere, up) = (self.path.walkable_check_pos, self.path.walkable_up);
+        let edge = polygon.find_crossed_edge(&sphere, up, profile);
         let Some(inward) = edge else {
             return TransitionState::Collided;
         };
         self.path.step_up = false;
         let frame = &self.path.walkable_pos.frame;
-        let mut normal = frame.local_to_global_vec(inward, self.profile());
+        let mut normal = frame.local_to_global_vec(inward, profile);
         // The normal opposes the move.
         if normal.dot(self.check_displacement()) > 0.0 {
             normal = -normal;
@@ -85,13 +87,13 @@ impl Transition<'_> {
     }
 
     /// How far the first sphere is from where it is at the current position, m.
-    pub(super) fn check_displacement(&self) -> crate::math::Vec3 {
+    pub(super) fn check_displacement(&self) -> Vec3 {
         (self.path.global_sphere[0].center - self.path.global_curr_center[0])
             + self.path.curr_to_check_block_offset()
     }
 
     /// Slides the first sphere along a surface with that normal (04, 8.9).
-    pub(super) fn slide_first_sphere(&mut self, normal: &mut crate::math::Vec3) -> TransitionState {
+    pub(super) fn slide_first_sphere(&mut self, normal: &mut Vec3) -> TransitionState {
         let center = self.path.global_sphere[0].center;
         self.slide_sphere(center, normal, self.path.global_curr_center[0])
     }
