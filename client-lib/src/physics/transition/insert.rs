@@ -221,7 +221,7 @@ impl Transition<'_> {
         }
         let mut position = self.path.check_pos;
         if !position.cell.is_indoor() {
-            position.adjust_to_outside();
+            position.adjust_to_outside(self.profile());
         }
         if position.cell.is_none() {
             return TransitionState::Collided;

@@ -2,7 +2,7 @@
 
 use super::state::{InsertType, ObjectInfoState, Transition, TransitionState};
 use crate::physics::body::{Body, ObjectRef};
-use crate::physics::collision::find_part_collisions;
+use crate::physics::collision::{PlacedPart, find_part_collisions};
 use crate::physics::state::PhysicsState;
 
 impl<'w> Transition<'w> {
@@ -46,7 +46,12 @@ impl<'w> Transition<'w> {
             return TransitionState::Ok;
         };
         if body.state.contains(PhysicsState::HAS_PHYSICS_BSP) {
-            return find_part_collisions(parts.placed_parts(), self);
+            let placed = parts.existing_parts().map(|part| PlacedPart {
+                shape: Some(&part.shape),
+                position: &part.position,
+                scale: part.scale,
+            });
+            return find_part_collisions(placed, self);
         }
         let (position, scale) = (&body.position, body.scale);
         let cylinders = parts.cyl_spheres();

@@ -191,7 +191,7 @@ impl Transition<'_> {
         (0..count).any(|j| {
             self.check_pos_to_curr_pos();
             frame.set_heading(j as f32 * step, profile);
-            let offset = self.adjust_offset(frame.forward() * distance);
+            let offset = self.adjust_offset(frame.forward(profile) * distance);
             self.path.global_offset = offset;
             if self.too_short_to_probe(offset) {
                 return false;
