@@ -5,7 +5,10 @@
 //! [`profile::Profile`].
 
 pub mod animation;
+pub mod entity;
+pub mod frame;
 pub mod math;
+pub mod motion;
 pub mod physics;
 pub mod profile;
 pub mod world;
