@@ -203,7 +203,7 @@ impl Entity {
                 weenie: WeenieFlags::default(),
                 target: 0,
                 parent: None,
-                shadow_cells: Vec::new(),
+                shadows: Vec::new(),
             },
             kin: Kinetics::new(now),
             movement: None,
