@@ -71,6 +71,33 @@ impl MotionError {
     pub const fn code(self) -> u32 {
         self as u32
     }
+
+    /// The error of a protocol number; `None` for 0 and for numbers of other layers.
+    pub const fn from_code(code: u32) -> Option<Self> {
+        Some(match code {
+            0x07 => Self::NoAnimationTable,
+            0x08 => Self::NoPhysicsObject,
+            0x0B => Self::NoMotionInterpreter,
+            0x24 => Self::NoContact,
+            0x36 => Self::ActionCancelled,
+            0x37 => Self::ObjectGone,
+            0x38 => Self::NoObject,
+            0x3C => Self::Teleported,
+            0x3D => Self::TooFar,
+            0x3E => Self::StaminaTooLow,
+            0x3F => Self::CantCrouchInCombat,
+            0x40 => Self::CantSitInCombat,
+            0x41 => Self::CantLieDownInCombat,
+            0x42 => Self::CantChatEmoteInCombat,
+            0x43 => Self::NoMtableData,
+            0x44 => Self::CantChatEmoteNotStanding,
+            0x45 => Self::TooManyActions,
+            0x47 => Self::GeneralMovementFailure,
+            0x48 => Self::CantJumpPosition,
+            0x49 => Self::CantJumpLoad,
+            _ => return None,
+        })
+    }
 }
 
 /// Result of a request to the motion layer.
@@ -81,5 +108,21 @@ pub const fn code_of(result: MotionResult) -> u32 {
     match result {
         Ok(()) => 0,
         Err(error) => error.code(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_name_errors() {
+        let named: Vec<u32> = (0..0x100)
+            .filter(|&code| MotionError::from_code(code).is_some_and(|e| e.code() == code))
+            .collect();
+        assert_eq!(named.len(), 20);
+        assert_eq!(MotionError::from_code(0), None);
+        assert_eq!(code_of(Ok(())), 0);
+        assert_eq!(code_of(Err(MotionError::NoMtableData)), 0x43);
     }
 }
