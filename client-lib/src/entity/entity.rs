@@ -4,7 +4,7 @@
 //! created on demand. Lengths are metres, velocities m/s and rad/s in world axes.
 
 use super::weenie::{CollisionReport, Weenie};
-use crate::animation::PartArray;
+use crate::animation::{PartArray, TimedHook};
 use crate::frame::state::{FrameEvent, Step};
 use crate::math::{CellId, Frame, Plane, Position, Vec3};
 use crate::motion::MovementManager;
@@ -80,7 +80,7 @@ pub struct Child {
     /// Part index; [`Child::NO_PART`] for none.
     pub part: u32,
     /// Holding location id, 0 for none.
-    pub location: u32,
+    pub location: i32,
 }
 
 impl Child {
@@ -101,34 +101,6 @@ pub struct CollisionRecord {
 
 /// Remembered contacts in insertion order, one per GUID.
 pub type CollisionTable = Vec<CollisionRecord>;
-
-/// What a timed hook changes (A4.6).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TimedHookKind {
-    /// Object scale.
-    Scale,
-    /// Translucency of the object.
-    Translucency,
-    /// Cosmetic kinds 2 to 7 of A4.6, with their number.
-    Cosmetic(u8),
-}
-
-/// A value that moves from `start` to `end` (E5).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TimedHook {
-    /// What it changes.
-    pub kind: TimedHookKind,
-    /// When it was made, s.
-    pub created: f64,
-    /// s.
-    pub duration: f64,
-    /// Value at the start.
-    pub start: f32,
-    /// Value at the end.
-    pub end: f32,
-    /// Part index or script, by kind.
-    pub data: u32,
-}
 
 /// The nine counters that order network messages (A4.5).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

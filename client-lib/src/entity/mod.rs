@@ -9,7 +9,7 @@ mod store;
 mod weenie;
 
 pub use entity::{
-    Child, CollisionRecord, CollisionTable, Entity, Kinetics, TimedHook, TimedHookKind, Timestamps,
+    Child, CollisionRecord, CollisionTable, Entity, Kinetics, Timestamps,
 };
 pub use store::Entities;
 pub use weenie::{

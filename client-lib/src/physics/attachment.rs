@@ -19,7 +19,7 @@ pub enum Attachment {
         frame: Frame,
     },
     /// To a holding location of the parent's setup, by its id.
-    Location(u32),
+    Location(i32),
 }
 
 impl Entity {
@@ -51,11 +51,14 @@ impl Entity {
         let (part, frame, location) = match attachment {
             Attachment::Part { part, frame } => (part, frame, 0),
             Attachment::Location(id) => match parts.holding_location(id) {
-                Some((part, frame)) => (part, frame, id),
+                Some(place) => {
+                    let frame = Frame::new(place.frame.origin, place.frame.rotation);
+                    (place.part as u32, frame, id)
+                }
                 None => return false,
             },
         };
-        let known = part == Child::NO_PART || (part as usize) < parts.parts().len();
+        let known = part == Child::NO_PART || (part as usize) < parts.parts.len();
         if matches!(attachment, Attachment::Part { .. }) && !known {
             return false;
         }
@@ -168,7 +171,7 @@ impl Entity {
             .body
             .part_array
             .as_ref()
-            .and_then(|parts| parts.parts().get(child.part as usize))
+            .and_then(|parts| parts.parts.get(child.part as usize)?.as_ref())
             .map_or(&self.body.position.frame, |part| &part.position.frame);
         base.combine(&child.frame, &world.profile)
     }

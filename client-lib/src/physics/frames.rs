@@ -30,7 +30,7 @@ impl Entity {
             return;
         }
         if let Some(parts) = &mut self.body.part_array {
-            parts.set_frame(&self.body.position.frame, &world.profile);
+            parts.update_parts(&self.body.position.frame, &world.profile);
         }
     }
 

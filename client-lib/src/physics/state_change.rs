@@ -1,6 +1,7 @@
 //! State words, hiding, becoming solid, scale and placement of an object (`spec/06-physics-object.md`, E1 to E4).
 
-use crate::entity::{Entity, TimedHook, TimedHookKind};
+use crate::animation::{TimedHook, TimedHookKind};
+use crate::entity::Entity;
 use crate::math::{EPSILON, Vec3};
 use crate::physics::state::{PhysicsState, TransientState};
 use crate::profile::{SetHidden, TimedHooks};
@@ -80,6 +81,9 @@ impl Entity {
     /// Sets or clears NODRAW (`set_nodraw`); cosmetic but for the bit.
     pub fn set_no_draw(&mut self, on: bool) {
         self.body.state.set(PhysicsState::NODRAW, on);
+        if let Some(parts) = &mut self.body.part_array {
+            parts.set_no_draw(on);
+        }
     }
 
     /// Sets or clears LIGHTING_ON (`set_lights`); cosmetic but for the bit.
@@ -114,7 +118,6 @@ impl Entity {
             duration: seconds,
             start: self.body.scale,
             end: scale,
-            data: 0,
         });
     }
 
@@ -124,7 +127,7 @@ impl Entity {
     }
 
     /// Takes the placement frame with this id, or frame 0 (`SetPlacementFrame`); `false` when there is neither.
-    pub fn set_placement_frame(&mut self, id: u32, world: &World) -> bool {
+    pub fn set_placement_frame(&mut self, id: i32, world: &World) -> bool {
         let found = self
             .body
             .part_array
