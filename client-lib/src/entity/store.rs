@@ -123,12 +123,14 @@ impl Entity {
     /// Rare paths only (voyeur updates, notifications): it moves the whole object twice.
     pub fn lend<R>(&mut self, world: &mut World, f: impl FnOnce(&mut World) -> R) -> R {
         let id = self.id;
-        let stand_in = Self::new(id, self.body.guid, 0.0);
-        let own = std::mem::replace(self, stand_in);
-        world.entities.put(Box::new(own));
+        let spare = world.scratch.spare_entity.take();
+        let mut own = spare.unwrap_or_else(|| Box::new(Self::new(id, 0, 0.0)));
+        std::mem::swap(self, &mut own);
+        world.entities.put(own);
         let result = f(world);
-        if let Some(own) = world.entities.take(id) {
-            *self = *own;
+        if let Some(mut own) = world.entities.take(id) {
+            std::mem::swap(self, &mut own);
+            world.scratch.spare_entity = Some(own);
         }
         result
     }

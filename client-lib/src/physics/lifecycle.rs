@@ -3,8 +3,10 @@
 use crate::animation::{PartArray, PartArrayError};
 use crate::entity::Entity;
 use crate::math::{CellId, Position};
+use crate::motion::MotionError;
 use crate::physics::attachment::LEAVING_MASK;
 use crate::physics::body::EntityId;
+use crate::physics::managers::TargetStatus;
 use crate::physics::placement::{PlacementFlags, SetPosition, SetPositionError};
 use crate::physics::state::{PhysicsState, TransientState};
 use crate::profile::DestroyOrder;
@@ -12,8 +14,6 @@ use crate::world::World;
 
 /// Placement frame that every new object gets: resting.
 const RESTING: i32 = 0x65;
-/// Error code of a move-to that a teleport ends.
-const TELEPORTED: u32 = 0x3C;
 
 impl World {
     /// Makes an object from a data id, under a GUID, outside the world and not yet in the object table (`makeObject`; N-20 with a movement
@@ -224,12 +224,10 @@ impl Entity {
 
     /// A teleport ends what the object was doing (`teleport_hook`).
     pub fn teleport_hook(&mut self, world: &mut World) {
-        self.cancel_move_to(TELEPORTED, world);
+        self.cancel_moveto_with(MotionError::Teleported, world);
         self.unstick_from_object(world);
-        if let Some(manager) = &mut self.position_manager {
-            manager.stop_interpolating();
-            manager.unconstrain();
-        }
+        self.stop_interpolating();
+        self.unconstrain();
         self.leave_targets(TargetStatus::Teleported, world);
         self.report_collision_end(true, world);
     }

@@ -146,9 +146,7 @@ impl Entity {
             let keep_heading = self.is_moving_to();
             self.interpolate_to(position, keep_heading, world);
         } else {
-            if let Some(manager) = &mut self.position_manager {
-                manager.stop_interpolating();
-            }
+            self.stop_interpolating();
             self.set_position_simple(position, true, world);
         }
         true
