@@ -6,4 +6,4 @@
 )]
 mod world;
 
-pub use world::{CellHandle, World};
+pub use world::{CellHandle, Clock, World};
