@@ -15,12 +15,18 @@ mod command_table;
 pub mod constants;
 mod error;
 pub mod formulas;
+mod ground;
 mod heading;
 mod hold_key;
 mod interp;
 mod interpreted_state;
+mod move_to;
+mod move_to_start;
+mod move_to_tick;
+mod movement_manager;
 mod params;
 mod raw_state;
+mod requests;
 mod slope;
 mod weenie;
 pub mod wire;
@@ -40,6 +46,8 @@ pub use interp::{
     Motion, MotionInterp, Mover, PendingMotion, contact_allows_move, motion_allows_jump,
 };
 pub use interpreted_state::InterpretedMotionState;
+pub use move_to::{DistanceSample, MoveToKind, MoveToManager, MoveToNode};
+pub use movement_manager::{MoveTarget, Movement, MovementManager};
 pub use params::{Approach, MovementFlags, MovementParameters, desired_heading};
 pub use raw_state::{RawAxis, RawMotionState};
 pub use slope::is_walkable;

@@ -290,7 +290,7 @@ impl Entity {
         };
         Some(MoveTarget {
             object_id: guid,
-            top_level_id: self.guid_of(object.body.parent, world).unwrap_or(guid),
+            top_level_id: self.carrier_guid(object, world).unwrap_or(guid),
             radius: object.radius(),
             height: object.height(),
         })
@@ -371,5 +371,17 @@ impl Entity {
         self.get_interp(world);
         self.interp()
             .map_or(0.0, |interp| interp.adjusted_max_speed(&self.mover(world)))
+    }
+}
+
+impl Entity {
+    /// GUID of the object that carries `object`; `None` if nobody does.
+    fn carrier_guid(&self, object: &Self, world: &World) -> Option<u32> {
+        let carrier = object.body.parent?;
+        if carrier == self.object_ref() {
+            Some(self.guid())
+        } else {
+            world.body(carrier).map(|body| body.guid)
+        }
     }
 }

@@ -40,6 +40,7 @@ mod polygon;
 mod position;
 mod sequence;
 mod sphere;
+mod tables;
 mod terrain;
 
 pub use compare::{Mismatch, compare_vector};
