@@ -1,6 +1,7 @@
 //! [`World`] owns everything; entities, statics and cells are handles into it.
 
 use crate::entity::Entities;
+use crate::physics::transition::TransitionSlots;
 use crate::profile::Profile;
 
 /// Handle of a loaded cell (outdoor or indoor) of a [`World`]. Cells stay loaded under a handle until their landblock is released.
@@ -18,6 +19,8 @@ pub struct World {
     pub clock: Clock,
     /// The dynamic objects.
     pub entities: Entities,
+    /// The pool of transitions.
+    pub slots: TransitionSlots,
 }
 
 /// The two clocks of the simulation (`spec/06-physics-object.md`, B2), seconds.
@@ -43,6 +46,7 @@ impl World {
             profile,
             clock: Clock::at(now),
             entities: Entities::default(),
+            slots: TransitionSlots::default(),
         }
     }
 }
