@@ -15,6 +15,8 @@ pub struct Entities {
     slots: Vec<Option<Box<Entity>>>,
     /// The object table in order of registration.
     table: Vec<EntityId>,
+    /// By handle: is in the table.
+    registered: Vec<bool>,
     by_guid: HashMap<u32, EntityId>,
 }
 
@@ -23,6 +25,7 @@ impl Entities {
     pub fn create(&mut self, guid: u32, now: f64) -> Box<Entity> {
         let id = EntityId(self.slots.len() as u32);
         self.slots.push(None);
+        self.registered.push(false);
         Box::new(Entity::new(id, guid, now))
     }
 
@@ -30,20 +33,34 @@ impl Entities {
     pub fn register(&mut self, id: EntityId, guid: u32) {
         if let Some(former) = self.by_guid.insert(guid, id) {
             self.table.retain(|&e| e != former);
+            self.mark(former, false);
         }
         self.table.push(id);
+        self.mark(id, true);
     }
 
     /// Takes an object out of the object table. The object goes on existing until [`Entities::remove`].
     pub fn unregister(&mut self, id: EntityId) {
         self.table.retain(|&e| e != id);
         self.by_guid.retain(|_, e| *e != id);
+        self.mark(id, false);
+    }
+
+    fn mark(&mut self, id: EntityId, registered: bool) {
+        if let Some(mark) = self.registered.get_mut(id.0 as usize) {
+            *mark = registered;
+        }
     }
 
     /// Ends an object's existence.
     pub fn remove(&mut self, id: EntityId) -> Option<Box<Entity>> {
         self.unregister(id);
         self.take(id)
+    }
+
+    /// Whether an object is in the object table.
+    pub fn is_registered(&self, id: EntityId) -> bool {
+        self.registered.get(id.0 as usize).copied().unwrap_or(false)
     }
 
     /// The object table in order of registration.

@@ -11,6 +11,16 @@ use crate::world::World;
 /// A gap longer than this, s, is dropped.
 const HUGE_QUANTUM: f64 = 2.0;
 
+impl World {
+    /// Advances the animations of static entities (B1 step 5).
+    pub fn animate_statics(&mut self) {
+        for index in 0..self.static_animations.len() {
+            let id = self.static_animations[index];
+            self.with_entity(id, |entity, world| entity.animate_static(world));
+        }
+    }
+}
+
 impl Entity {
     /// Advances an object shown outside the world: one step of any length, no cell, no collision (`update_position`; O-41).
     pub fn update_outside_world(&mut self, world: &mut World) {

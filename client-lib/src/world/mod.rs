@@ -1,5 +1,8 @@
 //! The world: landblocks, terrain, cells, static objects, and the entities in them.
 
+mod random;
+mod resources;
+mod scratch;
 pub mod terrain;
 #[allow(
     clippy::module_inception,
@@ -7,4 +10,7 @@ pub mod terrain;
 )]
 mod world;
 
+pub use random::Random;
+pub use resources::Resources;
+pub use scratch::Scratch;
 pub use world::{CellHandle, Clock, World};

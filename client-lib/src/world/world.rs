@@ -1,6 +1,11 @@
 //! [`World`] owns everything; entities, statics and cells are handles into it.
 
+use super::random::Random;
+use super::resources::Resources;
+use super::scratch::Scratch;
 use crate::entity::Entities;
+use crate::physics::body::EntityId;
+use crate::physics::maintenance::{DestructionQueue, LostCells};
 use crate::physics::transition::TransitionSlots;
 use crate::profile::Profile;
 
@@ -21,6 +26,22 @@ pub struct World {
     pub entities: Entities,
     /// The pool of transitions.
     pub slots: TransitionSlots,
+    /// Immutable resources of objects: setups, shapes, animations, motion tables.
+    pub resources: Resources,
+    /// The only source of chance (`spec/06-physics-object.md`, C3).
+    pub random: Random,
+    /// The local player, if there is one.
+    pub local_player: Option<EntityId>,
+    /// Objects far from the local player rest.
+    pub culling_enabled: bool,
+    /// Entities whose animation is advanced although they are static.
+    pub static_animations: Vec<EntityId>,
+    /// Entities whose cell is not there.
+    pub lost: LostCells,
+    /// Entities out of sight.
+    pub doomed: DestructionQueue,
+    /// Memory that is reused.
+    pub scratch: Scratch,
 }
 
 /// The two clocks of the simulation (`spec/06-physics-object.md`, B2), seconds.
@@ -47,6 +68,14 @@ impl World {
             clock: Clock::at(now),
             entities: Entities::default(),
             slots: TransitionSlots::default(),
+            resources: Resources::default(),
+            random: Random::Middle,
+            local_player: None,
+            culling_enabled: true,
+            static_animations: Vec::new(),
+            lost: LostCells::default(),
+            doomed: DestructionQueue::default(),
+            scratch: Scratch::default(),
         }
     }
 }
