@@ -1,1 +1,15 @@
-//! placeholder
+//! Scenes, expected states and the trace format that holds them: one definition for everyone.
+//!
+//! - [`scene`]: scene files.
+//! - [`record`]: the state of an entity after a frame, as JSON.
+//! - [`expect`]: the JSON Lines files of the oracles.
+
+pub mod expect;
+pub mod number;
+pub mod record;
+pub mod scene;
+
+mod error;
+
+pub use error::GoldenError;
+pub use scene::Scene;
