@@ -3,11 +3,13 @@
 //! - [`scene`]: scene files.
 //! - [`record`]: the state of an entity after a frame, as JSON.
 //! - [`expect`]: the JSON Lines files of the oracles.
+//! - [`trace`]: the trace files.
 
 pub mod expect;
 pub mod number;
 pub mod record;
 pub mod scene;
+pub mod trace;
 
 mod error;
 

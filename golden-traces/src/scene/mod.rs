@@ -163,6 +163,22 @@ fn default_friction() -> f32 {
 }
 
 impl Scene {
+    /// A scene in which nothing is.
+    pub(crate) fn empty() -> Self {
+        Self {
+            schema: SCENE_SCHEMA.into(),
+            name: String::new(),
+            summary: String::new(),
+            world: String::new(),
+            features: Vec::new(),
+            start_time: 0.0,
+            frames: Vec::new(),
+            entities: Vec::new(),
+            script: Vec::new(),
+            track: Vec::new(),
+        }
+    }
+
     /// Reads a scene from its JSON. `path` is what errors call it.
     ///
     /// # Errors
@@ -311,11 +327,11 @@ mod tests {
         let error = parse(&MINIMAL.replace("\"motion_table\"", "\"motiontable\""))
             .unwrap_err()
             .to_string();
-        insta::assert_snapshot!(error, @"b.scene.json, entities[0].motiontable: unknown field `motiontable`, expected one of `guid`, `kind`, `setup`, `motion_table`, `scale`, `position`, `state`, `velocity`, `omega`, `elasticity`, `friction`, `run_rate`, `jump_velocity`, `parent` at line 3 column 87");
+        insta::assert_snapshot!(error, @"b.scene.json, entities[0].motiontable: unknown field `motiontable`, expected one of `guid`, `kind`, `setup`, `motion_table`, `scale`, `position`, `state`, `velocity`, `omega`, `elasticity`, `friction`, `run_rate`, `jump_velocity`, `parent` at line 3 column 84");
         let error = parse(&MINIMAL.replace("\"extent\"", "\"height\""))
             .unwrap_err()
             .to_string();
-        insta::assert_snapshot!(error, @"b.scene.json, script[0]: `jump` takes no `height` at line 5 column 65");
+        insta::assert_snapshot!(error, @"b.scene.json, script[0]: `jump` takes no `height` at line 5 column 63");
     }
 
     #[test]
