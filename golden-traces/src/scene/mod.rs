@@ -331,7 +331,18 @@ mod tests {
         let error = parse(&MINIMAL.replace("\"extent\"", "\"height\""))
             .unwrap_err()
             .to_string();
-        insta::assert_snapshot!(error, @"b.scene.json, script[0]: `jump` takes no `height` at line 5 column 63");
+        insta::assert_snapshot!(error, @"b.scene.json, script[0]: `jump` needs `extent` at line 5 column 66");
+    }
+
+    #[test]
+    fn arguments_that_a_step_does_not_take_are_errors() {
+        let error = parse(&MINIMAL.replace("\"extent\":1", "\"extent\":1,\"height\":1"))
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.starts_with("b.scene.json, script[0]: `jump` takes no `height`"),
+            "{error}"
+        );
     }
 
     #[test]
