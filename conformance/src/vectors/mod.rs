@@ -24,6 +24,7 @@
 
 mod compare;
 pub mod json;
+pub mod math;
 mod read;
 mod report;
 
