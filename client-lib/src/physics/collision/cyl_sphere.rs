@@ -7,9 +7,7 @@ use super::polygon::{WalkLimit, lowered_walk_interp};
 use super::sphere::{LANDING_Z, MoverSphere, land_on_top, set_object_plane};
 use crate::math::vector::normalize_check_small;
 use crate::math::{EPSILON, Plane, Position, Sphere, Vec3};
-use crate::physics::transition::{
-    InsertType, ObjectInfoState, Transition, TransitionState,
-};
+use crate::physics::transition::{InsertType, ObjectInfoState, Transition, TransitionState};
 use crate::profile::{CylinderLanding, CylinderPlane, PerfectClip, Profile};
 
 /// An upright cylinder; metres, in its owner's space or in check space.
@@ -226,8 +224,7 @@ impl CylSphere {
             return TransitionState::Ok;
         }
         let profile = t.profile();
-        let Some(rest) =
-            lowered_walk_interp(share, t.path.walk_interp, WalkLimit::Object, profile)
+        let Some(rest) = lowered_walk_interp(share, t.path.walk_interp, WalkLimit::Object, profile)
         else {
             return TransitionState::Collided;
         };
@@ -325,9 +322,7 @@ impl CylSphere {
         let choice = t.profile().cylinder_step_down_plane;
         let point = match choice {
             CylinderPlane::ThroughZero => Vec3::new(height, 0.0, 0.0),
-            CylinderPlane::TopCellSet | CylinderPlane::TopCellUnset => {
-                Vec3::new(0.0, 0.0, height)
-            }
+            CylinderPlane::TopCellSet | CylinderPlane::TopCellUnset => Vec3::new(0.0, 0.0, height),
         };
         set_object_plane(t, Plane::from_normal_and_point(Vec3::Z, point));
         if choice == CylinderPlane::TopCellUnset {

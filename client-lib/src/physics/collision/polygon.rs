@@ -328,9 +328,7 @@ impl<'a> Polygon<'a> {
 
     /// Whether a point is in the infinite prism over the polygon (7.13); every point is, for a degenerate polygon.
     pub fn contains(&self, point: Vec3) -> bool {
-        !self
-            .edges(point)
-            .any(|e| e.inward.dot(e.to_point) < 0.0)
+        !self.edges(point).any(|e| e.inward.dot(e.to_point) < 0.0)
     }
 
     /// Whether a point is inside in plan view (7.14). [`Sidedness::Positive`] is for polygons that are counter-clockwise seen from above;

@@ -6,9 +6,7 @@
 use super::polygon::{WalkLimit, lowered_walk_interp};
 use crate::math::vector::normalize_check_small;
 use crate::math::{EPSILON, Plane, Position, Ray, Sphere, Vec3};
-use crate::physics::transition::{
-    InsertType, ObjectInfoState, Transition, TransitionState,
-};
+use crate::physics::transition::{InsertType, ObjectInfoState, Transition, TransitionState};
 use crate::profile::{PerfectClip, Profile, SphereSlide, Width};
 
 /// Ground that may be landed on: cosine of 85°.
@@ -144,11 +142,7 @@ impl Sphere {
         let first = MoverSphere::of(t, 0);
         let displacement = first.sphere.center - self.center;
         let upper = t.path.num_sphere > 1
-            && collides_with_sphere(
-                t.path.global_sphere[1].center - self.center,
-                reach,
-                profile,
-            );
+            && collides_with_sphere(t.path.global_sphere[1].center - self.center, reach, profile);
         Contact {
             first,
             displacement,
@@ -251,11 +245,9 @@ impl Sphere {
             return TransitionState::Collided;
         }
         let mover = MoverSphere::of(t, index);
-        let movement =
-            mover.sphere.center - mover.current + t.path.curr_to_check_block_offset();
+        let movement = mover.sphere.center - mover.current + t.path.curr_to_check_block_offset();
         let profile = t.profile();
-        let time =
-            find_time_of_collision(movement, displacement, reach + EPSILON, profile) as f32;
+        let time = find_time_of_collision(movement, displacement, reach + EPSILON, profile) as f32;
         if time < EPSILON || time > 1.0 {
             return TransitionState::Collided;
         }
@@ -437,8 +429,7 @@ pub(super) fn land_on_top(
     if !t.path.is_walkable_allowable(n.z) {
         return TransitionState::Ok;
     }
-    let plane =
-        Plane::from_normal_and_point(n, mover.sphere.center - n * mover.sphere.radius);
+    let plane = Plane::from_normal_and_point(n, mover.sphere.center - n * mover.sphere.radius);
     set_object_plane(t, plane);
     t.path.walk_interp = rest;
     t.add_offset_to_check_pos(offset);
