@@ -5,6 +5,7 @@
 //! [`profile::Profile`].
 
 pub mod animation;
+pub mod dat;
 pub mod frame;
 pub mod math;
 pub mod physics;

@@ -6,7 +6,7 @@ use super::{BoundingBox, Vec3};
 use crate::profile::{Profile, Width};
 
 /// Points `p` with `n·p + d = 0`; the space is that of whoever holds the plane.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Plane {
     /// Unit normal.
     pub n: Vec3,
@@ -40,7 +40,7 @@ pub struct Ray {
 }
 
 /// A centre and a radius, m.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct Sphere {
     /// Centre.
     pub center: Vec3,
