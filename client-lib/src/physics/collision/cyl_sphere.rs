@@ -5,21 +5,11 @@
 
 use super::polygon::{WalkLimit, lowered_walk_interp};
 use super::sphere::{LANDING_Z, MoverSphere, land_on_top, set_object_plane};
+use crate::dat::CylSphere;
 use crate::math::vector::normalize_check_small;
 use crate::math::{EPSILON, Plane, Position, Sphere, Vec3};
 use crate::physics::transition::{InsertType, ObjectInfoState, Transition, TransitionState};
 use crate::profile::{CylinderLanding, CylinderPlane, PerfectClip, Profile};
-
-/// An upright cylinder; metres, in its owner's space or in check space.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct CylSphere {
-    /// Middle of the bottom disc.
-    pub low: Vec3,
-    /// Radius.
-    pub radius: f32,
-    /// Height above `low`.
-    pub height: f32,
-}
 
 /// Direction in which a cylinder pushes a sphere away.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -224,7 +214,8 @@ impl CylSphere {
             return TransitionState::Ok;
         }
         let profile = t.profile();
-        let Some(rest) = lowered_walk_interp(share, t.path.walk_interp, WalkLimit::Object, profile)
+        let Some(rest) =
+            lowered_walk_interp(share.into(), t.path.walk_interp, WalkLimit::Object, profile)
         else {
             return TransitionState::Collided;
         };
@@ -305,8 +296,8 @@ impl CylSphere {
         }
         let z = self.height + mover.sphere.radius - displacement.z;
         let profile = t.profile();
-        let Some(rest) =
-            lowered_walk_interp(z / span, t.path.walk_interp, WalkLimit::Object, profile)
+        let share = f64::from(z) / f64::from(span);
+        let Some(rest) = lowered_walk_interp(share, t.path.walk_interp, WalkLimit::Object, profile)
         else {
             return TransitionState::Collided;
         };
