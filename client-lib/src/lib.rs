@@ -6,8 +6,10 @@
 
 pub mod animation;
 pub mod dat;
+pub mod entity;
 pub mod frame;
 pub mod math;
+pub mod motion;
 pub mod physics;
 pub mod profile;
 pub mod world;

@@ -2,5 +2,6 @@
 
 pub mod body;
 pub mod collision;
+pub mod managers;
 pub mod state;
 pub mod transition;

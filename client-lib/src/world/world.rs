@@ -1,5 +1,7 @@
 //! [`World`] owns everything; entities, statics and cells are handles into it.
 
+use crate::entity::Entities;
+use crate::physics::transition::TransitionSlots;
 use crate::profile::Profile;
 
 /// Handle of a loaded cell (outdoor or indoor) of a [`World`]. Cells stay loaded under a handle until their landblock is released.
@@ -13,4 +15,38 @@ pub struct CellHandle(pub u32);
 pub struct World {
     /// Behaviour at every numbered point of difference.
     pub profile: Profile,
+    /// Clocks.
+    pub clock: Clock,
+    /// The dynamic objects.
+    pub entities: Entities,
+    /// The pool of transitions.
+    pub slots: TransitionSlots,
+}
+
+/// The two clocks of the simulation (`spec/06-physics-object.md`, B2), seconds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clock {
+    /// Frame clock: constant during a frame.
+    pub now: f64,
+    /// Simulation clock: the time inside the step being executed; keeps its last value between frames.
+    pub sim_time: f64,
+}
+
+impl Clock {
+    /// Both clocks at a time in s.
+    pub const fn at(now: f64) -> Self {
+        Self { now, sim_time: now }
+    }
+}
+
+impl World {
+    /// An empty world whose clocks stand at `now`, s.
+    pub fn new(profile: Profile, now: f64) -> Self {
+        Self {
+            profile,
+            clock: Clock::at(now),
+            entities: Entities::default(),
+            slots: TransitionSlots::default(),
+        }
+    }
 }
