@@ -182,7 +182,7 @@ pub struct SpherePath<'w> {
     /// Inside `check_walkable`.
     pub check_walkable: bool,
     /// Polygon last used as ground.
-    pub walkable: Option<&'w Polygon>,
+    pub walkable: Option<Polygon<'w>>,
     /// Sphere on it, in the polygon's space.
     pub walkable_check_pos: Sphere,
     /// Up in that space.
