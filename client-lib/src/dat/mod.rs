@@ -94,3 +94,6 @@ pub use texture::{PixelFormat, RenderSurface, SurfaceTexture};
 pub use vertex::{Vertex, VertexArray};
 pub use wave::Wave;
 pub use writer::Writer;
+
+#[cfg(test)]
+mod tests;
