@@ -6,6 +6,7 @@
 
 pub mod animation;
 pub mod dat;
+pub mod frame;
 pub mod math;
 pub mod physics;
 pub mod profile;

@@ -132,6 +132,8 @@ pub enum OffMap {
     None,
     /// Every use fails.
     Fails,
+    /// Offsets from a block off the map are added and may come back in range; other conversions fail.
+    ComputesOn,
 }
 
 /// Cylinder distance when gap and reach have different signs.
@@ -639,7 +641,7 @@ profile! {
     /// Boxes under rotation come out too small, planes against boxes are biased.
     box_transform_biased: bool = [false, true, false] "01:B1 01:B2 04:X1 04:X2 C-26";
     /// Ids off the map.
-    off_map: OffMap = [OffMap::None, OffMap::Fails, OffMap::None] "01:L1 01:L3 02:B16 C-30 04:A6";
+    off_map: OffMap = [OffMap::None, OffMap::Fails, OffMap::ComputesOn] "01:L1 01:L3 02:B16 C-30 04:A6";
     /// Cylinder distance with mixed signs.
     cylinder_distance: CylinderDistance = [CylinderDistance::Reach, CylinderDistance::Reach, CylinderDistance::Gap] "01:P2 O-54 D4";
     /// Thirds of a quadrant.

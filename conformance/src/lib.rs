@@ -1,1 +1,9 @@
-//! placeholder
+//! Conformance: compares what the client library does with what reconstructions of the retail client did.
+//!
+//! - [`vectors`]: calls of single primitives.
+//!
+//! The binary `ac-conform` is a thin shell around [`cli`].
+#![forbid(unsafe_code)]
+
+pub mod cli;
+pub mod vectors;

@@ -67,16 +67,16 @@ impl Position {
     }
 
     /// Puts a point that may have left its block into the right outdoor cell; `false` (and no cell) off the map.
-    pub fn adjust_to_outside(&mut self) -> bool {
-        let (cell, origin) = self.cell.adjust_to_outside(self.frame.origin);
+    pub fn adjust_to_outside(&mut self, profile: &Profile) -> bool {
+        let (cell, origin) = self.cell.adjust_to_outside(self.frame.origin, profile);
         self.cell = cell;
         self.frame.origin = origin;
         !cell.is_none()
     }
 
     /// Id of the outdoor cell at this place; [`CellId::NONE`] off the map.
-    pub fn outside_cell(&self) -> CellId {
-        self.cell.adjust_to_outside(self.frame.origin).0
+    pub fn outside_cell(&self, profile: &Profile) -> CellId {
+        self.cell.adjust_to_outside(self.frame.origin, profile).0
     }
 
     /// The point `p` of `from`'s own space in the coordinates of **this position's landblock** (this frame does not matter).
@@ -134,8 +134,8 @@ impl UprightCylinder<'_> {
         self.position.distance(other.position) - (self.radius + other.radius)
     }
 
-    /// Distance between two upright cylinders, m (11.4; `01:P2`).
-    pub fn distance(&self, other: &Self, profile: &Profile) -> f32 {
+    /// Distance between two upright cylinders, m (11.4; `01:P2`). The root is f64; callers that keep f32 narrow the result.
+    pub fn distance(&self, other: &Self, profile: &Profile) -> f64 {
         let reach = self.distance_no_z(other);
         let (z1, z2) = (self.position.frame.origin.z, other.position.frame.origin.z);
         let gap = if z1 <= z2 {
@@ -143,15 +143,13 @@ impl UprightCylinder<'_> {
         } else {
             z1 - (z2 + other.height)
         };
-        let root = f64::from(gap * gap + reach * reach).sqrt() as f32;
+        let root = f64::from(gap * gap + reach * reach).sqrt();
         match profile.cylinder_distance {
-            CylinderDistance::Reach if gap > 0.0 && reach > 0.0 => root,
+            _ if gap > 0.0 && reach > 0.0 => root,
             CylinderDistance::Reach if gap < 0.0 && reach < 0.0 => -root,
-            CylinderDistance::Reach => reach,
-            CylinderDistance::Gap if gap > 0.0 && reach > 0.0 => root,
-            CylinderDistance::Gap if gap > 0.0 => gap,
-            CylinderDistance::Gap if reach > 0.0 => reach,
-            CylinderDistance::Gap => -root,
+            CylinderDistance::Gap if gap > 0.0 => gap.into(),
+            CylinderDistance::Gap if reach <= 0.0 => -root,
+            _ => reach.into(),
         }
     }
 }

@@ -1,0 +1,64 @@
+//! The command line of `ac-conform`.
+//!
+//! Exit codes of every command: 0 = nothing is wrong; 1 = something differs; 2 = it could not run (the message says what,
+//! where, and what to do).
+
+mod vectors;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand, ValueEnum};
+
+/// Something differs.
+pub const DIFFERS: u8 = 1;
+/// The command could not run.
+pub const COULD_NOT_RUN: u8 = 2;
+
+#[derive(Parser)]
+#[command(
+    name = "ac-conform",
+    version,
+    about = "Compares the client library with reconstructions of the retail client"
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run vector files: calls of single primitives, compared bit for bit.
+    Vectors(vectors::Args),
+}
+
+/// How results are written to standard output.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Tables for people.
+    #[default]
+    Human,
+    /// One JSON document.
+    Json,
+}
+
+/// Parses the arguments of the process and runs the command.
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            let _ = error.print();
+            return if error.use_stderr() {
+                ExitCode::from(COULD_NOT_RUN)
+            } else {
+                ExitCode::SUCCESS
+            };
+        }
+    };
+    let outcome = match cli.command {
+        Command::Vectors(args) => vectors::run(&args),
+    };
+    outcome.unwrap_or_else(|report| {
+        eprintln!("{report:?}");
+        ExitCode::from(COULD_NOT_RUN)
+    })
+}
