@@ -8,6 +8,7 @@ pub mod animation;
 pub mod dat;
 pub mod frame;
 pub mod math;
+pub mod net;
 pub mod physics;
 pub mod profile;
 pub mod world;
