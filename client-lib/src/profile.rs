@@ -720,11 +720,11 @@ profile! {
     /// Slide at a sphere too high to climb.
     sphere_slide: SphereSlide = [SphereSlide::Once, SphereSlide::Once, SphereSlide::TwiceX] "04:S6";
     /// A NaN root in the sphere step-down is written instead of answering Collided.
-    sphere_nan_root_written: bool = [false, false, true] "04:S7";
+    sphere_nan_root_written: bool = [false, true, false] "04:S7";
     /// Landing on a cylinder.
     cylinder_landing: CylinderLanding = [CylinderLanding::FlatTop, CylinderLanding::FlatTop, CylinderLanding::AsSphere] "04:C1";
     /// The displacement for a cylinder's upper sphere is the lower one's.
-    cylinder_upper_uses_lower: bool = [false, false, true] "04:C2";
+    cylinder_upper_uses_lower: bool = [false, true, false] "04:C2";
     /// Contact plane of a step down onto a cylinder.
     cylinder_step_down_plane: CylinderPlane = [CylinderPlane::TopCellSet, CylinderPlane::TopCellUnset, CylinderPlane::ThroughZero] "04:C3";
     /// Exact clipping of cameras.

@@ -9,9 +9,7 @@ mod frame_state;
 mod store;
 mod weenie;
 
-pub use entity::{
-    Child, CollisionRecord, CollisionTable, Entity, Kinetics, Timestamps,
-};
+pub use entity::{Child, CollisionRecord, CollisionTable, Entity, Kinetics, Timestamps};
 pub use store::Entities;
 pub use weenie::{
     AttackReport, CollisionProfile, CollisionReport, EnvironmentReport, ObjectReport, Weenie,

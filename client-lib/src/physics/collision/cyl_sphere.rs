@@ -5,23 +5,11 @@
 
 use super::polygon::{WalkLimit, lowered_walk_interp};
 use super::sphere::{LANDING_Z, MoverSphere, land_on_top, set_object_plane};
+use crate::dat::CylSphere;
 use crate::math::vector::normalize_check_small;
 use crate::math::{EPSILON, Plane, Position, Sphere, Vec3};
-use crate::physics::transition::{
-    InsertType, ObjectInfoState, Transition, TransitionState,
-};
+use crate::physics::transition::{InsertType, ObjectInfoState, Transition, TransitionState};
 use crate::profile::{CylinderLanding, CylinderPlane, PerfectClip, Profile};
-
-/// An upright cylinder; metres, in its owner's space or in check space.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct CylSphere {
-    /// Middle of the bottom disc.
-    pub low: Vec3,
-    /// Radius.
-    pub radius: f32,
-    /// Height above `low`.
-    pub height: f32,
-}
 
 /// Direction in which a cylinder pushes a sphere away.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -227,7 +215,7 @@ impl CylSphere {
         }
         let profile = t.profile();
         let Some(rest) =
-            lowered_walk_interp(share, t.path.walk_interp, WalkLimit::Object, profile)
+            lowered_walk_interp(share.into(), t.path.walk_interp, WalkLimit::Object, profile)
         else {
             return TransitionState::Collided;
         };
@@ -308,8 +296,8 @@ impl CylSphere {
         }
         let z = self.height + mover.sphere.radius - displacement.z;
         let profile = t.profile();
-        let Some(rest) =
-            lowered_walk_interp(z / span, t.path.walk_interp, WalkLimit::Object, profile)
+        let share = f64::from(z) / f64::from(span);
+        let Some(rest) = lowered_walk_interp(share, t.path.walk_interp, WalkLimit::Object, profile)
         else {
             return TransitionState::Collided;
         };
@@ -325,9 +313,7 @@ impl CylSphere {
         let choice = t.profile().cylinder_step_down_plane;
         let point = match choice {
             CylinderPlane::ThroughZero => Vec3::new(height, 0.0, 0.0),
-            CylinderPlane::TopCellSet | CylinderPlane::TopCellUnset => {
-                Vec3::new(0.0, 0.0, height)
-            }
+            CylinderPlane::TopCellSet | CylinderPlane::TopCellUnset => Vec3::new(0.0, 0.0, height),
         };
         set_object_plane(t, Plane::from_normal_and_point(Vec3::Z, point));
         if choice == CylinderPlane::TopCellUnset {
@@ -348,7 +334,8 @@ impl CylSphere {
         let found = if !definite {
             clip.uncertain()
         } else if normal.z != 0.0 {
-            clip.cap().map(|(_, time)| ClipTime { normal, time })
+            clip.cap(clip.from_base.z)
+                .map(|(_, time)| ClipTime { normal, time })
         } else {
             clip.shaft()
         };
@@ -387,11 +374,13 @@ struct ExactClip<'a> {
     discriminant: f64,
     /// Minus the horizontal product of movement and `from_base`.
     b: f32,
-    profile: &'a Profile,
+    /// `04:C4`: profile `ace` takes the movement's z for the height where the side is not certain, and goes the way backwards. What profile
+    /// `gdle` does there is undefined and not imitated.
+    takes_movement_for_height: bool,
 }
 
 impl<'a> ExactClip<'a> {
-    fn new(cylinder: &'a CylSphere, t: &Transition<'a>, touch: &Touch) -> Self {
+    fn new(cylinder: &'a CylSphere, t: &Transition<'_>, touch: &Touch) -> Self {
         let start = t.path.global_curr_center[0];
         let sphere = touch.mover.sphere;
         let m = t.path.curr_to_check_block_offset() + (sphere.center - start);
@@ -410,7 +399,7 @@ impl<'a> ExactClip<'a> {
             a,
             discriminant: f64::from(b) * f64::from(b) - c * f64::from(a),
             b,
-            profile: t.profile(),
+            takes_movement_for_height: t.profile().perfect_clip == PerfectClip::Ace,
         }
     }
 
@@ -421,19 +410,17 @@ impl<'a> ExactClip<'a> {
         (time / a) as f32
     }
 
-    /// Normal of the end that the mover comes from, and the time at which it is reached.
-    fn cap(&self) -> Option<(Vec3, f32)> {
+    /// Normal of the end that the mover comes from, and the time at which it is reached from the height `z` above the base.
+    fn cap(&self, z: f32) -> Option<(Vec3, f32)> {
         let m = self.movement;
         if m.z.abs() < EPSILON {
             return None;
         }
         let radius = self.sphere.radius;
         Some(if m.z > 0.0 {
-            let time = -((self.from_base.z + radius) / m.z);
-            (Vec3::new(0.0, 0.0, -1.0), time)
+            (Vec3::NEG_Z, -((z + radius) / m.z))
         } else {
-            let time = (radius + self.cylinder.height - self.from_base.z) / m.z;
-            (Vec3::Z, time)
+            (Vec3::Z, (radius + self.cylinder.height - z) / m.z)
         })
     }
 
@@ -455,7 +442,11 @@ impl<'a> ExactClip<'a> {
     }
 
     fn uncertain(&self) -> Option<ClipTime> {
-        let (normal, time) = self.cap()?;
+        let (normal, time) = self.cap(if self.takes_movement_for_height {
+            self.movement.z
+        } else {
+            self.from_base.z
+        })?;
         let offset = self.movement * time;
         if level_squared(offset + self.from_base) < self.reach * self.reach {
             return Some(ClipTime { normal, time });
@@ -473,8 +464,12 @@ impl<'a> ExactClip<'a> {
     }
 
     /// From the check position to where the mover touches. Quirk: current and check space are mixed without a block offset.
-    fn offset(&self, time: f32, _definite: bool) -> Vec3 {
-        let _ = (self.profile, PerfectClip::Exact);
-        self.start + self.movement * time - self.sphere.center
+    fn offset(&self, time: f32, definite: bool) -> Vec3 {
+        let way = self.movement * time;
+        if self.takes_movement_for_height && !definite {
+            self.start - way - self.sphere.center
+        } else {
+            self.start + way - self.sphere.center
+        }
     }
 }

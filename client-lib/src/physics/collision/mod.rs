@@ -6,6 +6,7 @@
 
 mod cell_tree;
 mod cyl_sphere;
+mod from_dat;
 mod physics_tree;
 mod polygon;
 mod polygon_list;
@@ -13,8 +14,9 @@ mod shape;
 mod sphere;
 mod tree_collision;
 
+pub use crate::dat::CylSphere;
 pub use cell_tree::{BoundingType, CellTree};
-pub use cyl_sphere::{CylSphere, CylinderNormal};
+pub use cyl_sphere::CylinderNormal;
 pub use physics_tree::{
     MAX_TREE_DEPTH, PhysicsTree, PolygonIndex, SolidSearch, SourceNode, TouchedPolygon, TreeError,
     WalkableSearch,

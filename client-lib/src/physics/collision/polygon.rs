@@ -147,14 +147,14 @@ impl<'a> Polygon<'a> {
 
     /// The point of the plane below the sphere's centre and the squared radius of the overlap; `None` if the sphere does not reach the plane.
     ///
-    /// The effective radius is ε less than the sphere's: a sphere that rests on the plane does not touch it. NaN never touches.
+    /// The effective radius is ε less than the sphere's: a sphere that rests on the plane does not touch it. NaN passes.
     fn overlap(&self, sphere: &Sphere) -> Option<(Vec3, f32)> {
         let h = self.plane.distance(sphere.center);
         let radius = sphere.radius - EPSILON;
-        if h.abs() <= radius {
-            Some((sphere.center - self.plane.n * h, radius * radius - h * h))
-        } else {
+        if h.abs() > radius {
             None
+        } else {
+            Some((sphere.center - self.plane.n * h, radius * radius - h * h))
         }
     }
 
@@ -164,12 +164,16 @@ impl<'a> Polygon<'a> {
         let Some((point, reach_squared)) = self.overlap(sphere) else {
             return false;
         };
+        // Not a number is no overlap here, unlike in the fast form.
+        if reach_squared.is_nan() {
+            return false;
+        }
         *contact = point;
         !self.edges(point).any(|e| e.violated())
             || self.scan(point, reach_squared, OffSegment::Ignore)
     }
 
-    /// The one-pass form of [`Self::hits_sphere_precise`] (7.4, `polygon_hits_sphere`): the same answer for every finite input.
+    /// The one-pass form of [`Self::hits_sphere_precise`] (7.4, `polygon_hits_sphere`): the same answer for every finite input; not a number is a hit.
     pub fn hits_sphere_fast(&self, sphere: &Sphere, contact: &mut Vec3) -> bool {
         let Some((point, reach_squared)) = self.overlap(sphere) else {
             return false;
@@ -180,7 +184,8 @@ impl<'a> Polygon<'a> {
 
     /// Whether a sphere touches the polygon (7.5).
     pub fn hits_sphere(&self, sphere: &Sphere) -> bool {
-        self.hits_sphere_precise(sphere, &mut Vec3::ZERO)
+        let mut unused = Vec3::ZERO;
+        self.hits_sphere_precise(sphere, &mut unused)
     }
 
     /// Whether a sphere that came by `movement` touches the polygon and moves against its normal (7.6): `(touched, hit)`.
@@ -227,7 +232,8 @@ impl<'a> Polygon<'a> {
             -sphere.radius - h
         };
         let k = gap / s;
-        let Some(rest) = lowered_walk_interp(k, *walk_interp, WalkLimit::Polygon, profile) else {
+        let Some(rest) = lowered_walk_interp(k.into(), *walk_interp, WalkLimit::Polygon, profile)
+        else {
             return false;
         };
         sphere.center -= movement * k;
@@ -294,14 +300,14 @@ impl<'a> Polygon<'a> {
     }
 
     /// Unit normal, in the plane and into the polygon, of the first edge that the projected centre of the sphere is beyond (7.11).
-    pub fn find_crossed_edge(&self, sphere: &Sphere, up: Vec3, profile: &Profile) -> Option<Vec3> {
+    pub fn find_crossed_edge(&self, sphere: &Sphere, up: Vec3) -> Option<Vec3> {
         let facing = self.plane.n.dot(up);
         if facing.abs() < EPSILON {
             return None;
         }
         let point = self.footprint(sphere, up, facing);
-        let edge = self.edges(point).find(Edge::violated)?;
-        Some(vector::normalize(edge.inward, profile))
+        let inward = self.edges(point).find(Edge::violated)?.inward;
+        Some(inward * (1.0 / inward.length()))
     }
 
     /// The shift (m) that puts a sphere centre at the signed distance `radius` from the plane, out of or through solid matter (7.12).
@@ -328,9 +334,7 @@ impl<'a> Polygon<'a> {
 
     /// Whether a point is in the infinite prism over the polygon (7.13); every point is, for a degenerate polygon.
     pub fn contains(&self, point: Vec3) -> bool {
-        !self
-            .edges(point)
-            .any(|e| e.inward.dot(e.to_point) < 0.0)
+        !self.edges(point).any(|e| e.inward.dot(e.to_point) < 0.0)
     }
 
     /// Whether a point is inside in plan view (7.14). [`Sidedness::Positive`] is for polygons that are counter-clockwise seen from above;
@@ -378,16 +382,17 @@ pub(super) enum WalkLimit {
 
 /// The walk interp after the share `k` of the movement was taken back: `None` if that does not lower it or lowers it too far.
 ///
-/// NaN is let through. `04:A3`, `T-27`: profile `gdle` computes and compares in f64.
+/// NaN is let through. `04:A3`, `T-27`: profile `gdle` computes and compares in f64. `k` is an f32, or a quotient of two that only profile
+/// `gdle` keeps wide.
 pub(super) fn lowered_walk_interp(
-    k: f32,
+    k: f64,
     walk_interp: f32,
     limit: WalkLimit,
     profile: &Profile,
 ) -> Option<f32> {
     match profile.walk_interp_width {
         Width::F32 => {
-            let w = (1.0 - k) * walk_interp;
+            let w = (1.0 - k as f32) * walk_interp;
             let lowest = match limit {
                 WalkLimit::Polygon => -0.5,
                 WalkLimit::Object => -0.1,
@@ -397,7 +402,7 @@ pub(super) fn lowered_walk_interp(
         }
         Width::F64 => {
             let old = f64::from(walk_interp);
-            let w = (1.0 - f64::from(k)) * old;
+            let w = (1.0 - k) * old;
             let lowest = match limit {
                 WalkLimit::Polygon => -0.5,
                 WalkLimit::Object => -0.1,

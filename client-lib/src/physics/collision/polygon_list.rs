@@ -78,9 +78,8 @@ impl PolygonList {
         };
         let first = self.vertices.len() as u32;
         let start = header.first_vertex as usize;
-        self.vertices.extend_from_slice(
-            &from.vertices[start..start + usize::from(header.vertex_count)],
-        );
+        self.vertices
+            .extend_from_slice(&from.vertices[start..start + usize::from(header.vertex_count)]);
         self.headers.push(Header {
             first_vertex: first,
             ..*header

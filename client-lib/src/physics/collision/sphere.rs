@@ -6,9 +6,7 @@
 use super::polygon::{WalkLimit, lowered_walk_interp};
 use crate::math::vector::normalize_check_small;
 use crate::math::{EPSILON, Plane, Position, Ray, Sphere, Vec3};
-use crate::physics::transition::{
-    InsertType, ObjectInfoState, Transition, TransitionState,
-};
+use crate::physics::transition::{InsertType, ObjectInfoState, Transition, TransitionState};
 use crate::profile::{PerfectClip, Profile, SphereSlide, Width};
 
 /// Ground that may be landed on: cosine of 85°.
@@ -67,7 +65,8 @@ pub fn collides_with_sphere(displacement: Vec3, radius_sum: f32, profile: &Profi
 
 /// Multiple of `movement` after which two spheres touch (8.3); −1 if never, or if they touch already.
 ///
-/// `displacement` is the mover's centre minus the obstacle's at the start. `04:S3`: profile `ace` has the opposite sign.
+/// `displacement` is the mover's centre minus the obstacle's at the start. `04:S3`: profile `ace` has the opposite sign, and an f32
+/// discriminant.
 pub fn find_time_of_collision(
     movement: Vec3,
     displacement: Vec3,
@@ -76,23 +75,23 @@ pub fn find_time_of_collision(
 ) -> f64 {
     let (m, d) = (movement, displacement);
     let a = m.length_squared();
-    let dot = d.z * m.z + d.y * m.y + m.x * d.x;
-    let b = if profile.perfect_clip == PerfectClip::Ace {
-        dot
-    } else {
-        -dot
-    };
     let c = d.length_squared() - radius_sum * radius_sum;
-    let (a64, b64, c64) = (f64::from(a), f64::from(b), f64::from(c));
-    let discriminant = b64 * b64 - c64 * a64;
+    let (b, discriminant) = if profile.perfect_clip == PerfectClip::Ace {
+        let b = d.dot(m);
+        (b, f64::from(b * b - c * a))
+    } else {
+        let b = -(d.z * m.z + d.y * m.y + m.x * d.x);
+        let (a, b64, c) = (f64::from(a), f64::from(b), f64::from(c));
+        (b, b64 * b64 - c * a)
+    };
     if c < EPSILON || a < EPSILON || discriminant < 0.0 {
         return -1.0;
     }
-    let root = discriminant.sqrt();
-    if b64 - root < 0.0 {
-        (root + b64) / a64
+    let (a, b, root) = (f64::from(a), f64::from(b), discriminant.sqrt());
+    if b - root < 0.0 {
+        (root + b) / a
     } else {
-        (b64 - root) / a64
+        (b - root) / a
     }
 }
 
@@ -117,8 +116,6 @@ impl MoverSphere {
 /// What tests of one obstacle need of the mover.
 #[derive(Debug, Clone, Copy)]
 struct Contact {
-    /// The mover's first sphere.
-    first: MoverSphere,
     /// From the obstacle's centre to the first sphere's.
     displacement: Vec3,
     /// Touching distance ρ.
@@ -135,22 +132,15 @@ impl Contact {
 
 impl Sphere {
     fn contact(&self, t: &Transition<'_>) -> Contact {
-        let first = MoverSphere::of(t, 0);
-        self.contact_within(t, first.sphere.radius + self.radius - EPSILON)
+        self.contact_within(t, t.path.global_sphere[0].radius + self.radius - EPSILON)
     }
 
     fn contact_within(&self, t: &Transition<'_>, reach: f32) -> Contact {
         let profile = t.profile();
-        let first = MoverSphere::of(t, 0);
-        let displacement = first.sphere.center - self.center;
+        let displacement = t.path.global_sphere[0].center - self.center;
         let upper = t.path.num_sphere > 1
-            && collides_with_sphere(
-                t.path.global_sphere[1].center - self.center,
-                reach,
-                profile,
-            );
+            && collides_with_sphere(t.path.global_sphere[1].center - self.center, reach, profile);
         Contact {
-            first,
             displacement,
             reach,
             hits: [collides_with_sphere(displacement, reach, profile), upper],
@@ -251,11 +241,9 @@ impl Sphere {
             return TransitionState::Collided;
         }
         let mover = MoverSphere::of(t, index);
-        let movement =
-            mover.sphere.center - mover.current + t.path.curr_to_check_block_offset();
+        let movement = mover.sphere.center - mover.current + t.path.curr_to_check_block_offset();
         let profile = t.profile();
-        let time =
-            find_time_of_collision(movement, displacement, reach + EPSILON, profile) as f32;
+        let time = find_time_of_collision(movement, displacement, reach + EPSILON, profile) as f32;
         if time < EPSILON || time > 1.0 {
             return TransitionState::Collided;
         }
@@ -352,7 +340,8 @@ impl Sphere {
         let d = contact.displacement;
         let below = root_minus(reach * reach - (d.x * d.x + d.y * d.y), d.z, profile);
         let k = below / span;
-        let Some(rest) = lowered_walk_interp(k, t.path.walk_interp, WalkLimit::Object, profile)
+        let Some(rest) =
+            lowered_walk_interp(k.into(), t.path.walk_interp, WalkLimit::Object, profile)
         else {
             return TransitionState::Collided;
         };
@@ -428,7 +417,8 @@ pub(super) fn land_on_top(
     }
     let square = b * b - (displacement.length_squared() - reach * reach) * a;
     let share = landing_root(square, b, profile) / a;
-    let Some(rest) = lowered_walk_interp(share, t.path.walk_interp, WalkLimit::Object, profile)
+    let Some(rest) =
+        lowered_walk_interp(share.into(), t.path.walk_interp, WalkLimit::Object, profile)
     else {
         return TransitionState::Collided;
     };
@@ -437,8 +427,7 @@ pub(super) fn land_on_top(
     if !t.path.is_walkable_allowable(n.z) {
         return TransitionState::Ok;
     }
-    let plane =
-        Plane::from_normal_and_point(n, mover.sphere.center - n * mover.sphere.radius);
+    let plane = Plane::from_normal_and_point(n, mover.sphere.center - n * mover.sphere.radius);
     set_object_plane(t, plane);
     t.path.walk_interp = rest;
     t.add_offset_to_check_pos(offset);

@@ -7,9 +7,7 @@ use super::LANDING_Z;
 use super::physics_tree::{PhysicsTree, PolygonIndex, SolidSearch, TouchedPolygon, WalkableSearch};
 use super::polygon::PlacementSolidity;
 use crate::math::{Sphere, Vec3};
-use crate::physics::transition::{
-    InsertType, ObjectInfoState, Transition, TransitionState,
-};
+use crate::physics::transition::{InsertType, ObjectInfoState, Transition, TransitionState};
 
 /// Rounds of the search for a free place.
 const PLACEMENT_ROUNDS: usize = 20;
@@ -27,11 +25,7 @@ impl PhysicsTree {
     ///
     /// May move the check position, write walk interp, allowance, contact plane, walkable polygon, collision normal, collide state and the
     /// negative hit, and try a step up.
-    pub fn find_collisions<'w>(
-        &'w self,
-        t: &mut Transition<'w>,
-        scale: f32,
-    ) -> TransitionState {
+    pub fn find_collisions<'w>(&'w self, t: &mut Transition<'w>, scale: f32) -> TransitionState {
         if t.path.insert_type == InsertType::Placement || t.path.obstruction_ethereal {
             return self.placement_test(t);
         }
