@@ -71,7 +71,7 @@ impl Entity {
         if !always_grounded && mover.leaves_ground() && !mover.on_ground() {
             return Err(MotionError::NoContact);
         }
-        if self.is_fully_constrained() {
+        if self.is_fully_constrained(world) {
             return Err(MotionError::GeneralMovementFailure);
         }
         interp.pending_jump_error(mover.profile)?;
