@@ -74,7 +74,7 @@ pub(super) fn create(
 }
 
 /// The weenie that every entity of a scene has.
-fn attach_weenie(id: EntityId, spec: &EntitySpec, world: &mut World) {
+pub(super) fn attach_weenie(id: EntityId, spec: &EntitySpec, world: &mut World) {
     let Some(entity) = world.entity_mut(id) else {
         return;
     };
