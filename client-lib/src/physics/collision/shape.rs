@@ -86,10 +86,12 @@ impl GfxShape {
 
     /// Sphere of the collision tree, else of the drawing tree, else a zero sphere.
     pub fn bounding_sphere(&self) -> Sphere {
-        self.physics_sphere().or(self.drawing_sphere).unwrap_or(Sphere {
-            center: Vec3::ZERO,
-            radius: 0.0,
-        })
+        self.physics_sphere()
+            .or(self.drawing_sphere)
+            .unwrap_or(Sphere {
+                center: Vec3::ZERO,
+                radius: 0.0,
+            })
     }
 
     /// Tests the shape against the mover, whose spheres are in the shape's space already (12.1).

@@ -176,8 +176,7 @@ impl Transition<'_> {
     pub(super) fn check_other_cells(&mut self, current: Option<CellHandle>) -> TransitionState {
         let profile = self.profile();
         // T-22
-        let mut new_cell =
-            (profile.missing_cells == MissingCells::LeftOut).then_some(DUMMY_CELL);
+        let mut new_cell = (profile.missing_cells == MissingCells::LeftOut).then_some(DUMMY_CELL);
         self.build_cell_array(Some(&mut new_cell));
         // Tests may make the list anew (a step up inside them does): it is read as it is at each turn.
         let mut i = 0;

@@ -32,6 +32,7 @@ pub use state::{
     CellArray, CellArrayEntry, CollisionInfo, ContactPlane, InsertType, ObjectInfo,
     ObjectInfoState, Progress, SpherePath, Transition, TransitionState,
 };
+pub use walkable::TerrainContact;
 
 /// A surface is walkable when the z of its normal is at least this (about 48.38° from flat).
 pub const FLOOR_Z: f32 = 0.664_174_14;

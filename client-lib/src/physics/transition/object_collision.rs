@@ -20,14 +20,13 @@ impl<'w> Transition<'w> {
         if weenie_creature && self.object.is_viewer() {
             return TransitionState::Ok;
         }
-        let passable = has(PhysicsState::ETHEREAL)
-            || (self.object.ethereal && !has(PhysicsState::STATIC));
+        let passable =
+            has(PhysicsState::ETHEREAL) || (self.object.ethereal && !has(PhysicsState::STATIC));
         if passable && self.path.step_down {
             return TransitionState::Ok;
         }
         self.path.obstruction_ethereal = passable;
-        let ignored =
-            self.object.player_exempt(body) || self.object.missile_ignore(body, profile);
+        let ignored = self.object.player_exempt(body) || self.object.missile_ignore(body, profile);
         let creature = has(PhysicsState::MISSILE) || weenie_creature;
         let mut result = TransitionState::Ok;
         if !ignored {

@@ -30,7 +30,11 @@ impl Rings {
     /// `T-19`: profile `gdle` computes the count in f64 and the density in f32.
     pub(super) fn around(radius: f32, wide_count: bool) -> Option<Self> {
         let small = radius < SMALL_RADIUS;
-        let range = if small { SEARCH_RANGE * 0.5 } else { SEARCH_RANGE };
+        let range = if small {
+            SEARCH_RANGE * 0.5
+        } else {
+            SEARCH_RANGE
+        };
         let rho = if small || radius >= SEARCH_RADIUS {
             radius
         } else {

@@ -72,7 +72,7 @@ impl Transition<'_> {
         };
         let profile = self.profile();
         let (sphere, up) = (self.path.walkable_check_pos, self.path.walkable_up);
-        let edge = polygon.find_crossed_edge(&sphere, up, profile);
+        let edge = polygon.find_crossed_edge(&sphere, up);
         let Some(inward) = edge else {
             return TransitionState::Collided;
         };

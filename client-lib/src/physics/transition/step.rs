@@ -1,7 +1,7 @@
 //! Stepping up and down (`spec/05-transition.md`, 10.9 to 10.11).
 
-use super::state::{ObjectInfoState, Transition, TransitionState};
 use super::STEP_DOWN_ATTEMPTS;
+use super::state::{ObjectInfoState, Transition, TransitionState};
 use crate::math::Vec3;
 
 impl Transition<'_> {

@@ -171,7 +171,12 @@ impl TerrainBlock {
         }
         for (index, water) in self.cell_water.iter_mut().enumerate() {
             let sw = index / 8 * VERTICES_PER_SIDE + index % 8;
-            let corners = [sw, sw + 1, sw + VERTICES_PER_SIDE, sw + VERTICES_PER_SIDE + 1];
+            let corners = [
+                sw,
+                sw + 1,
+                sw + VERTICES_PER_SIDE,
+                sw + VERTICES_PER_SIDE + 1,
+            ];
             *water = WaterType::of_corners(corners.map(|v| self.source.words[v]));
         }
         self.block_water = WaterType::of_cells(&self.cell_water);
@@ -251,9 +256,15 @@ impl TerrainBlock {
 
     /// Height of the terrain at (x, y) of a point (m, block space), in the outdoor cell that the point is in; `None` outside the block.
     pub fn height_at(&self, point: Vec3, profile: &Profile) -> Option<f32> {
-        let cell = self.block.outside_coord(point.x, point.y, profile)?.cell_id();
+        let cell = self
+            .block
+            .outside_coord(point.x, point.y, profile)?
+            .cell_id();
         let index = self.cell_index(cell)?;
-        self.find_terrain_poly(index, point)?.1.plane.height_at(point)
+        self.find_terrain_poly(index, point)?
+            .1
+            .plane
+            .height_at(point)
     }
 
     /// Lowest and highest vertex height, m.

@@ -102,9 +102,7 @@ pub(super) fn stitch(
     heights: &[u8; VERTICES],
     table: &HeightTable,
 ) {
-    use Direction::{
-        East, North, NorthEast, NorthWest, South, SouthEast, SouthWest, West,
-    };
+    use Direction::{East, North, NorthEast, NorthWest, South, SouthEast, SouthWest, West};
     let side = detail.scale.squares_per_side();
     let d = detail.direction;
     let at = |i: usize, j: usize| i * (side + 1) + j;

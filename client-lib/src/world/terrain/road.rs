@@ -76,7 +76,12 @@ mod tests {
         for (x, y) in [(0.0, 0.0), (191.9, 191.9), (12.0, 100.0)] {
             assert!(on_road(&all, x, y) && !on_road(&none, x, y));
         }
-        for (x, y) in [(192.0, 1.0), (-0.1, 1.0), (f32::NAN, 1.0), (1.0, f32::INFINITY)] {
+        for (x, y) in [
+            (192.0, 1.0),
+            (-0.1, 1.0),
+            (f32::NAN, 1.0),
+            (1.0, f32::INFINITY),
+        ] {
             assert!(!on_road(&all, x, y), "outside the block");
         }
     }
