@@ -12,6 +12,7 @@ mod cell;
 mod cell_array;
 mod cell_collision;
 mod cell_list;
+mod dat_source;
 pub mod landscape;
 mod loading;
 mod release;
