@@ -44,6 +44,7 @@ mod surface;
 mod texture;
 mod vertex;
 mod wave;
+pub mod worldgen;
 mod writer;
 
 pub use anim_frame::AnimFrame;
