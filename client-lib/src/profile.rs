@@ -741,6 +741,8 @@ profile! {
     placement_positive_first: bool = [false, false, true] "04:B3 04:B4";
     /// A leaf is solid when the field is not 0 (instead of equal to 1); polygons are found by position (instead of key).
     solid_leaf_nonzero: bool = [false, false, true] "04:B6 04:B7";
+    /// A camera passes over terrain only if it also began indoors.
+    viewer_needs_indoor_start: bool = [false, true, true] "T-04";
     /// The collision normal is normalised.
     collision_normal_normalized: bool = [true, false, true] "T-01 04:H1";
     /// The sliding normal is normalised, with a two-dimensional test.

@@ -95,11 +95,14 @@ impl GfxShape {
             }
             _ => None,
         };
-        Ok(Self::new(
-            physics,
-            record.drawing_sphere(),
-            positions(&record.vertices),
-        ))
+        Ok(Self {
+            id: record.id,
+            ..Self::new(
+                physics,
+                record.drawing_sphere(),
+                positions(&record.vertices),
+            )
+        })
     }
 }
 

@@ -10,6 +10,10 @@ use crate::physics::transition::{InsertType, Transition, TransitionState};
 /// Collision and bounds of one graphics object, in its own space. Shared by all parts that show it.
 #[derive(Debug, Clone, Default)]
 pub struct GfxShape {
+    /// Own id, 0x01......; 0 for a shape that no file holds.
+    pub id: u32,
+    /// Always drawn facing the viewer: for its cells a part of this shape is as large as its sphere (`spec/03`, 10.4).
+    pub always_2d: bool,
     /// Tree of the collision polygons; absent for an object that nothing collides with.
     pub physics: Option<PhysicsTree>,
     /// Bounding sphere of the drawing tree; absent without one.
@@ -62,6 +66,8 @@ impl GfxShape {
         vertices: impl IntoIterator<Item = Vec3>,
     ) -> Self {
         Self {
+            id: 0,
+            always_2d: false,
             physics,
             drawing_sphere,
             bounds: box_of(vertices),
@@ -71,6 +77,21 @@ impl GfxShape {
     /// Bounding sphere of the collision tree; absent without one.
     pub fn physics_sphere(&self) -> Option<Sphere> {
         self.physics.as_ref()?.sphere()
+    }
+
+    /// Whether there is a tree of collision polygons.
+    pub const fn has_physics_bsp(&self) -> bool {
+        self.physics.is_some()
+    }
+
+    /// Sphere of the collision tree, else of the drawing tree, else a zero sphere.
+    pub fn bounding_sphere(&self) -> Sphere {
+        self.physics_sphere()
+            .or(self.drawing_sphere)
+            .unwrap_or(Sphere {
+                center: Vec3::ZERO,
+                radius: 0.0,
+            })
     }
 
     /// Tests the shape against the mover, whose spheres are in the shape's space already (12.1).

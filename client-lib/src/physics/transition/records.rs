@@ -4,8 +4,8 @@
 //! "Block coordinates" are metres local to the landblock of the named position. No operation here fails or allocates.
 
 use super::state::{
-    CellArray, CollisionInfo, ContactPlane, InsertType, ObjectInfo, ObjectInfoState, SpherePath,
-    Transition, TransitionState,
+    CellArray, CollisionInfo, ContactPlane, InsertType, ObjectInfo, ObjectInfoState, Progress,
+    SpherePath, Transition, TransitionState,
 };
 use crate::math::vector::normalize_check_small;
 use crate::math::{CellId, EPSILON, Plane, Position, Sphere, Vec3, block_offset};
@@ -282,6 +282,8 @@ impl<'w> Transition<'w> {
             path: SpherePath::default(),
             info: CollisionInfo::default(),
             cells: CellArray::default(),
+            progress: Progress::default(),
+            missing: None,
         }
     }
 
