@@ -42,6 +42,7 @@ mod sequence;
 mod sphere;
 mod terrain;
 
+pub(crate) use compare::same_leaf;
 pub use compare::{Mismatch, compare_vector};
 pub use read::{Header, VectorError, VectorFile};
 pub use report::{FnResult, human_table};
