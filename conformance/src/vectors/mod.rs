@@ -36,10 +36,12 @@ mod jump;
 mod landdefs;
 mod motioninterp;
 mod motiontable;
+mod mover;
 mod polygon;
 mod position;
 mod sequence;
 mod sphere;
+mod tables;
 mod terrain;
 
 pub(crate) use compare::same_leaf;

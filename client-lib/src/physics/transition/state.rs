@@ -69,7 +69,7 @@ bitflags! {
 }
 
 /// The mover, as the transition sees it (5.1).
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub struct ObjectInfo {
     /// The moving object; `None` in tests of single primitives.
     pub object: Option<ObjectRef>,
@@ -182,7 +182,7 @@ pub struct SpherePath<'w> {
     /// Inside `check_walkable`.
     pub check_walkable: bool,
     /// Polygon last used as ground.
-    pub walkable: Option<&'w Polygon>,
+    pub walkable: Option<Polygon<'w>>,
     /// Sphere on it, in the polygon's space.
     pub walkable_check_pos: Sphere,
     /// Up in that space.
@@ -248,6 +248,17 @@ pub struct CellArray {
     pub do_not_load_cells: bool,
 }
 
+/// How far a transition has got, for traces; nothing in the transition reads it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Progress {
+    /// Sub-steps that the path was cut into (10.2).
+    pub planned: u32,
+    /// Sub-steps inserted and validated.
+    pub done: u32,
+    /// What the insert of the last sub-step answered, before validation.
+    pub last_insert: Option<TransitionState>,
+}
+
 /// One transition: what moves, along which path, and what it met. The world is read-only while it runs.
 #[derive(Debug, Clone)]
 pub struct Transition<'w> {
@@ -261,4 +272,8 @@ pub struct Transition<'w> {
     pub info: CollisionInfo,
     /// Cells touched.
     pub cells: CellArray,
+    /// Counters.
+    pub progress: Progress,
+    /// Something that can be loaded was looked up and is not loaded: the result means nothing, load it and run again.
+    pub missing: Option<CellId>,
 }
