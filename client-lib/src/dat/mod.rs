@@ -18,6 +18,8 @@ mod env_cell;
 mod environment;
 mod error;
 mod frame;
+#[doc(hidden)]
+pub mod fuzzing;
 mod gfx_obj;
 mod hook;
 mod iteration;
