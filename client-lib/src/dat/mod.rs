@@ -27,6 +27,7 @@ mod keyed;
 mod kind;
 mod landblock;
 mod landblock_info;
+pub mod lint;
 mod motion_data;
 mod motion_table;
 mod palette;
