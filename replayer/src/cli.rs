@@ -1,6 +1,6 @@
 //! The command line of `ac-replay`.
 //!
-//! Exit codes: 0 = done; 2 = it could not be done (the message says what, where, and what to do).
+//! Exit codes: 0 = done; 1 = `dat check` found faults; 2 = it could not be done (the message says what, where, and what to do).
 
 use std::{
     fs::File,
@@ -38,6 +38,8 @@ struct Cli {
 enum Command {
     /// Run a scene and write what every tracked entity did as a trace.
     Run(RunArgs),
+    /// Look into dat files and check them.
+    Dat(crate::dat_cmd::DatArgs),
 }
 
 #[derive(clap::Args)]
@@ -69,10 +71,13 @@ pub fn main() -> ExitCode {
         }
     };
     let outcome = match cli.command {
-        Command::Run(args) => run(&args),
+        Command::Run(args) => run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Dat(args) => crate::dat_cmd::run(&args, &mut std::io::stdout().lock())
+            .map(|verdict| ExitCode::from(verdict.code()))
+            .map_err(miette::Report::new),
     };
     match outcome {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(report) => {
             eprintln!("{report:?}");
             ExitCode::from(COULD_NOT_RUN)

@@ -5,6 +5,7 @@
 
 pub mod cli;
 pub mod client;
+pub mod dat_cmd;
 pub mod replay;
 pub mod simulation;
 pub mod stage;

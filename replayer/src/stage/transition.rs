@@ -150,6 +150,8 @@ impl Input {
                 step_down: self.step_down,
                 target_id: body.map_or(0, |b| b.target),
                 creature: body.is_some_and(|b| b.weenie.creature),
+                bypasses_restrictions: body.is_some_and(|b| b.weenie.bypasses_restrictions),
+                barrier_passed: false,
                 velocity_killed: false,
             },
             spheres: MoverSpheres::of_scaled(&spheres),
