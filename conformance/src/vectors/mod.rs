@@ -36,6 +36,7 @@ mod jump;
 mod landdefs;
 mod motioninterp;
 mod motiontable;
+mod mover;
 mod polygon;
 mod position;
 mod sequence;
