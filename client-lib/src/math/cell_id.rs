@@ -4,6 +4,7 @@ use core::fmt;
 
 use super::Vec3;
 use super::vector::EPSILON;
+use crate::profile::{OffMap, Profile};
 
 /// Side of an outdoor cell, m.
 pub const CELL_LENGTH: f32 = 24.0;
@@ -120,12 +121,17 @@ impl CellId {
         matches!(self.low(), 1..=0x40 | 0x100..=0xFFFD | 0xFFFF)
     }
 
-    /// Coordinates of the block's first cell (`blockid_to_lcoord`); `None` off the map.
-    pub const fn block_coord(self) -> Option<LandCoord> {
-        let c = LandCoord {
+    /// Coordinates of the block's first cell, also off the map.
+    pub const fn block_corner(self) -> LandCoord {
+        LandCoord {
             x: self.block_x() * 8,
             y: self.block_y() * 8,
-        };
+        }
+    }
+
+    /// Coordinates of the block's first cell (`blockid_to_lcoord`); `None` off the map.
+    pub const fn block_coord(self) -> Option<LandCoord> {
+        let c = self.block_corner();
         if c.x >= LAND_CELLS || c.y >= LAND_CELLS {
             None
         } else {
@@ -152,11 +158,16 @@ impl CellId {
     }
 
     /// Coordinates of the outdoor cell at a landblock-local point (m) of this id's block, also for indoor ids (`get_outside_lcoord`).
-    pub fn outside_coord(self, x: f32, y: f32) -> Option<LandCoord> {
+    ///
+    /// A block off the map fails, except where the profile computes on and the point may come back in range (`01:L3`).
+    pub fn outside_coord(self, x: f32, y: f32, profile: &Profile) -> Option<LandCoord> {
         if !self.cell_in_range() {
             return None;
         }
-        let base = self.block_coord()?;
+        let base = match profile.off_map {
+            OffMap::ComputesOn => self.block_corner(),
+            OffMap::None | OffMap::Fails => self.block_coord()?,
+        };
         let (cx, cy) = ((x / CELL_LENGTH).floor(), (y / CELL_LENGTH).floor());
         // NaN and points beyond the map's size fail before they become integers.
         let limit = LAND_CELLS as f32;
@@ -172,7 +183,7 @@ impl CellId {
 
     /// The outdoor cell at a landblock-local point that may have left its block, with the point re-based to the new block
     /// (`adjust_to_outside`, 10.4). On failure the id is [`CellId::NONE`] and the point keeps only the snap to zero.
-    pub fn adjust_to_outside(self, loc: Vec3) -> (Self, Vec3) {
+    pub fn adjust_to_outside(self, loc: Vec3, profile: &Profile) -> (Self, Vec3) {
         if !self.cell_in_range() {
             return (Self::NONE, loc);
         }
@@ -183,7 +194,7 @@ impl CellId {
         if loc.y.abs() < EPSILON {
             loc.y = 0.0;
         }
-        let Some(coord) = self.outside_coord(loc.x, loc.y) else {
+        let Some(coord) = self.outside_coord(loc.x, loc.y, profile) else {
             return (Self::NONE, loc);
         };
         loc.x -= (loc.x / BLOCK_LENGTH).floor() * BLOCK_LENGTH;

@@ -51,14 +51,18 @@ impl Frame {
         self.rotation
     }
 
-    /// The matrix: row i is the image of local axis i (x right, y forward, z up) in the parent's space.
-    pub const fn rows(&self) -> &[Vec3; 3] {
-        &self.rows
+    /// The axes as the profile computes them: row i is the image of local axis i in the parent's space. Profile `ace` builds
+    /// the matrix in another form (`spec/oracles.md`, 4.2).
+    pub fn axes(&self, profile: &Profile) -> [Vec3; 3] {
+        match profile.rotate_vector {
+            RotateVector::Matrix => self.rows,
+            RotateVector::Quaternion => self.rotation.matrix_rows(),
+        }
     }
 
     /// The local +Y axis in the parent's space (`get_vector_heading`).
-    pub const fn forward(&self) -> Vec3 {
-        self.rows[1]
+    pub fn forward(&self, profile: &Profile) -> Vec3 {
+        self.axes(profile)[1]
     }
 
     /// Takes a rotation as it is, without normalising: for state that was stored by another program.
@@ -177,7 +181,11 @@ impl Frame {
     /// `self` as seen from `base` (`subtract2`, 7.4).
     pub fn relative_to(&self, base: &Self, profile: &Profile) -> Self {
         let mut result = Self::from_origin(base.global_to_local(self.origin, profile));
-        result.set_rotation(base.rotation.conjugate().mul(self.rotation), profile);
+        let (b, q) = (base.rotation.conjugate(), self.rotation);
+        let mut product = b.mul(q);
+        // The reference sums this one real part in another order; the vectors show it.
+        product.w = b.w * q.w - b.y * q.y - b.x * q.x - b.z * q.z;
+        result.set_rotation(product, profile);
         result
     }
 

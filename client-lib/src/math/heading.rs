@@ -43,7 +43,7 @@ pub fn heading_of_position_offset(v: Vec3, profile: &Profile) -> f32 {
 impl Frame {
     /// Heading of the forward direction, compass degrees in [0, 360) (8.1).
     pub fn heading(&self, profile: &Profile) -> f32 {
-        let forward = self.forward();
+        let forward = self.forward(profile);
         (450.0 - angle_degrees(forward.y, forward.x, profile)) % 360.0
     }
 
@@ -53,7 +53,7 @@ impl Frame {
             HeadingArithmetic::F64Factor => trig::radians(degrees),
             HeadingArithmetic::F32Factor => degrees * RADIANS_PER_DEGREE_F32,
         };
-        let [r0, r1, _] = self.rows();
+        let [r0, r1, _] = self.axes(profile);
         self.set_vector_heading(
             Vec3::new(trig::sin(angle), trig::cos(angle), r1.z + r0.z),
             profile,

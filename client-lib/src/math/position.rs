@@ -67,16 +67,16 @@ impl Position {
     }
 
     /// Puts a point that may have left its block into the right outdoor cell; `false` (and no cell) off the map.
-    pub fn adjust_to_outside(&mut self) -> bool {
-        let (cell, origin) = self.cell.adjust_to_outside(self.frame.origin);
+    pub fn adjust_to_outside(&mut self, profile: &Profile) -> bool {
+        let (cell, origin) = self.cell.adjust_to_outside(self.frame.origin, profile);
         self.cell = cell;
         self.frame.origin = origin;
         !cell.is_none()
     }
 
     /// Id of the outdoor cell at this place; [`CellId::NONE`] off the map.
-    pub fn outside_cell(&self) -> CellId {
-        self.cell.adjust_to_outside(self.frame.origin).0
+    pub fn outside_cell(&self, profile: &Profile) -> CellId {
+        self.cell.adjust_to_outside(self.frame.origin, profile).0
     }
 
     /// The point `p` of `from`'s own space in the coordinates of **this position's landblock** (this frame does not matter).

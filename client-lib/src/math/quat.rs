@@ -112,18 +112,23 @@ impl Quat {
         )
     }
 
-    /// Rotates a vector back by the rows of `spec/oracles.md`, 4.2 (profile `ace`).
-    pub(super) fn rotate_back(self, v: Vec3) -> Vec3 {
+    /// Rows of the rotation's matrix in the form of `spec/oracles.md`, 4.2 (profile `ace`): row i is the image of axis i.
+    pub(super) fn matrix_rows(self) -> [Vec3; 3] {
         let Self { w, x, y, z } = self;
         let (xx, yy, zz) = (x * x, y * y, z * z);
         let (xy, xz, yz) = (x * y, x * z, y * z);
         let (wx, wy, wz) = (w * x, w * y, w * z);
-        let row = |a: f32, b: f32, c: f32| a * v.x + b * v.y + c * v.z + 0.0;
-        Vec3::new(
-            row(1.0 - 2.0 * (yy + zz), 2.0 * (xy + wz), 2.0 * (xz - wy)),
-            row(2.0 * (xy - wz), 1.0 - 2.0 * (zz + xx), 2.0 * (yz + wx)),
-            row(2.0 * (xz + wy), 2.0 * (yz - wx), 1.0 - 2.0 * (yy + xx)),
-        )
+        [
+            Vec3::new(1.0 - 2.0 * (yy + zz), 2.0 * (xy + wz), 2.0 * (xz - wy)),
+            Vec3::new(2.0 * (xy - wz), 1.0 - 2.0 * (zz + xx), 2.0 * (yz + wx)),
+            Vec3::new(2.0 * (xz + wy), 2.0 * (yz - wx), 1.0 - 2.0 * (yy + xx)),
+        ]
+    }
+
+    /// Rotates a vector back through [`Quat::matrix_rows`]; the sum ends with an addition of 0, which turns −0 into 0.
+    pub(super) fn rotate_back(self, v: Vec3) -> Vec3 {
+        let rows = self.matrix_rows();
+        Vec3::new(v.dot(rows[0]), v.dot(rows[1]), v.dot(rows[2])) + Vec3::ZERO
     }
 }
 

@@ -3,6 +3,7 @@
 //! Exit codes of every command: 0 = nothing is wrong; 1 = something differs; 2 = it could not run (the message says what,
 //! where, and what to do).
 
+mod import;
 mod vectors;
 
 use std::process::ExitCode;
@@ -27,6 +28,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Make traces of scenes and the files that oracles wrote for them.
+    Import(import::Args),
     /// Run vector files: calls of single primitives, compared bit for bit.
     Vectors(vectors::Args),
 }
@@ -55,6 +58,7 @@ pub fn main() -> ExitCode {
         }
     };
     let outcome = match cli.command {
+        Command::Import(args) => import::run(&args),
         Command::Vectors(args) => vectors::run(&args),
     };
     outcome.unwrap_or_else(|report| {

@@ -62,7 +62,7 @@ pub fn answer(ctx: &VectorContext<'_>, vector: &Value) -> Option<Value> {
         "set_rotate" => {
             let mut frame = f()?;
             frame.set_rotation(quat(&args["rotation"])?, p);
-            let matrix: Vec<f32> = frame.rows().iter().flat_map(|r| r.to_array()).collect();
+            let matrix: Vec<f32> = frame.axes(p).iter().flat_map(|r| r.to_array()).collect();
             Some(
                 json!({ "frame": put_frame(&frame), "matrix": put::floats(&matrix), "valid": frame.is_valid(p) }),
             )
@@ -73,7 +73,7 @@ pub fn answer(ctx: &VectorContext<'_>, vector: &Value) -> Option<Value> {
             Some(json!({ "frame": put_frame(&frame), "heading_after": put::f32(frame.heading(p)) }))
         }
         "get_heading" => Some(json!({ "heading": put::f32(f()?.heading(p)) })),
-        "get_vector_heading" => Some(json!({ "vector": put_vec3(f()?.forward()) })),
+        "get_vector_heading" => Some(json!({ "vector": put_vec3(f()?.forward(p)) })),
         "normalize_check_small" => {
             let v = vec3(&args["vector"])?;
             let unit = vector::normalize_check_small(v);

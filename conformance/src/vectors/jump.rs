@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::VectorContext;
 use super::json::{boolean, f32, id, put};
 use super::math::{put_vec3, quat, vec3};
-use super::mover::{Object, STANDING, hold_key, interpreter, weenie};
+use super::motion_object::{Object, STANDING, hold_key, interpreter, weenie};
 
 /// The library's answer to one vector; `None`: not implemented.
 pub fn answer(ctx: &VectorContext<'_>, vector: &Value) -> Option<Value> {

@@ -11,7 +11,7 @@ use super::VectorContext;
 use super::json::{boolean, f32, id, put};
 use super::math::put_vec3;
 use super::motiontable;
-use super::mover::{Object, STANDING, hold_key, interpreter, put_hold_key, weenie};
+use super::motion_object::{Object, STANDING, hold_key, interpreter, put_hold_key, weenie};
 
 /// The library's answer to one vector; `None`: not implemented.
 pub fn answer(ctx: &VectorContext<'_>, vector: &Value) -> Option<Value> {

@@ -1,104 +1,92 @@
-//! The object of the families `motioninterp` and `jump`: in the world, with the motion table of the file and a part array without parts.
+//! The mover of the families `sphere` and `cylsphere`: a path in no cell at all, and its records afterwards.
 
-use ac_client::animation::PartArray;
-use ac_client::entity::{Entity, Weenie};
-use ac_client::math::{Frame, Vec3};
-use ac_client::motion::{HoldKey, MotionInterp};
-use ac_client::physics::state::{PhysicsState, TransientState};
-use ac_client::world::{CellHandle, World};
-use serde_json::Value;
+use ac_client::math::CellId;
+use ac_client::physics::transition::{InsertType, ObjectInfoState, Transition, TransitionState};
+use ac_client::world::World;
+use serde_json::{Value, json};
 
-use super::VectorContext;
-use super::json::{boolean, f32, id};
-use super::math::quat;
-use super::tables::{MOTION_TABLE, Tables};
+use super::json::{boolean, f32, id, list, nullable, put};
+use super::math::{plane, position, put_plane, put_vec3, sphere};
 
-/// Contact, on walkable ground, active.
-pub const STANDING: u32 = 0x83;
-/// State word of the object.
-const STATE: u32 = 0x0040_0C08;
-/// Where its clock stands, s.
-const NOW: f64 = 100.0;
-
-/// An object that is taken out of its world.
-pub struct Object {
-    /// The world.
-    pub world: World,
-    /// The object.
-    pub entity: Box<Entity>,
+/// The transition of a vector's arguments.
+pub fn transition<'w>(world: &'w World, args: &Value) -> Option<Transition<'w>> {
+    let mut t = Transition::new(world);
+    t.object.state = ObjectInfoState::from_bits_retain(id(&args["object_state"])?);
+    t.object.scale = 1.0;
+    t.object.step_down = true;
+    t.object.step_up_height = f32(&args["step_up_height"])?;
+    t.object.step_down_height = f32(&args["step_down_height"])?;
+    set_path(&mut t, args)?;
+    set_planes(&mut t, args)?;
+    Some(t)
 }
 
-impl Object {
-    /// The object of a vector's arguments; `None` if they are malformed. It has no movement manager yet.
-    pub fn new(ctx: &VectorContext<'_>, arguments: &Value) -> Option<Self> {
-        let mut world = World::new(ctx.profile.clone(), NOW);
-        world.resources_.0 = Box::new(Tables::read(ctx)?);
-        let mut entity = world.entities.create(0x5000_0001, NOW);
-        entity.weenie = Some(weenie(arguments)?);
-        entity.body.weenie.present = true;
-        entity.body.weenie.creature = boolean(&arguments["creature"])?;
-        entity.body.weenie.player = true;
-        entity.body.state = PhysicsState::from_bits_retain(STATE);
-        entity.body.cell = Some(CellHandle(0));
-        // One empty part: without a shape it is as good as none.
-        entity.body.part_array = Some(PartArray::particle(1).ok()?);
-        entity.kin.transient = TransientState::from_bits_retain(STANDING);
-        entity.kin.last_move_was_autonomous = true;
-        if let Some(rotation) = arguments.get("rotation") {
-            entity.body.position.frame = Frame::new(Vec3::ZERO, quat(rotation)?);
-        }
-        Some(Self { world, entity })
+fn set_path(t: &mut Transition<'_>, args: &Value) -> Option<()> {
+    let path = &mut t.path;
+    let spheres = list(&args["spheres"], sphere)?;
+    path.num_sphere = spheres.len().min(2);
+    for (own, given) in path.local_sphere.iter_mut().zip(&spheres) {
+        *own = *given;
     }
+    path.local_low_point = path.local_sphere[0].center;
+    path.local_low_point.z -= path.local_sphere[0].radius;
+    path.curr_pos = position(&args["curr_pos"])?;
+    path.begin_pos = Some(path.curr_pos);
+    path.check_pos = position(&args["check_pos"])?;
+    path.end_pos = path.check_pos;
+    path.cache_global_curr_center(&t.world.profile);
+    path.cache_global_sphere(&t.world.profile);
+    path.walk_interp = f32(&args["walk_interp"])?;
+    path.step_down_amt = f32(&args["step_down_amt"])?;
+    path.walkable_allowance = f32(&args["walkable_allowance"])?;
+    path.step_down = boolean(&args["step_down"])?;
+    path.collide = boolean(&args["collide"])?;
+    path.check_walkable = boolean(&args["check_walkable"])?;
+    path.insert_type = if boolean(&args["placement"])? {
+        InsertType::Placement
+    } else {
+        InsertType::Transition
+    };
+    Some(())
+}
 
-    /// Gives the object its motion table, and a movement manager in its default state.
-    pub fn enter_default_state(&mut self) {
-        self.entity.set_motion_table(MOTION_TABLE, &mut self.world);
+fn set_planes(t: &mut Transition<'_>, args: &Value) -> Option<()> {
+    let cell = t.path.check_pos.cell;
+    if let Some(plane) = nullable(&args["contact_plane"], plane)? {
+        t.set_contact_plane(plane, false);
+        t.info.contact_plane.cell_id = cell;
+    }
+    let last = &mut t.info.last_known_contact_plane;
+    last.valid = boolean(&args["last_known_valid"])?;
+    if let Some(plane) = nullable(&args["last_known_contact_plane"], plane)? {
+        last.plane = plane;
+        last.cell_id = if last.valid { cell } else { CellId::NONE };
+    }
+    Some(())
+}
+
+fn outcome(state: TransitionState) -> &'static str {
+    match state {
+        TransitionState::Invalid => "invalid",
+        TransitionState::Ok => "ok",
+        TransitionState::Collided => "collided",
+        TransitionState::Adjusted => "adjusted",
+        TransitionState::Slid => "slid",
     }
 }
 
-/// The weenie of a vector's arguments.
-pub fn weenie(arguments: &Value) -> Option<Weenie> {
-    let run_rate = f32(&arguments["run_rate"])?;
-    Some(Weenie {
-        run_rate: boolean(&arguments["has_run_rate"])?.then_some(run_rate),
-        jump_velocity: Some(f32(&arguments["jump_velocity"])?),
-        can_jump: arguments.get("can_jump").map_or(Some(true), boolean)?,
-        jump_stamina_cost: Some(0),
-        ..Weenie::default()
+/// What a vector tells of the records after the call.
+pub fn records(t: &Transition<'_>, result: TransitionState) -> Value {
+    let (path, info) = (&t.path, &t.info);
+    json!({
+        "result": outcome(result),
+        "check_origin": put_vec3(path.check_pos.frame.origin),
+        "walk_interp": put::f32(path.walk_interp),
+        "walkable_allowance": put::f32(path.walkable_allowance),
+        "collide": path.collide,
+        "collision_normal": info.collision_normal_valid.then(|| put_vec3(info.collision_normal)),
+        "contact_plane": info.contact_plane.valid.then(|| put_plane(&info.contact_plane.plane)),
+        "contact_is_water": info.contact_plane.is_water,
+        "step_up_normal": put_vec3(path.step_up_normal),
     })
-}
-
-/// The interpreter of a vector that gives its state: interpreted motions, run rate, jump extent.
-pub fn interpreter(arguments: &Value) -> Option<MotionInterp> {
-    use ac_client::motion::Command;
-    let mut interp = MotionInterp::default();
-    let state = &mut interp.interpreted;
-    state.forward_command = Command(id(&arguments["forward"])?);
-    state.forward_speed = f32(&arguments["forward_speed"])?;
-    state.sidestep_command = Command(id(&arguments["sidestep"])?);
-    state.sidestep_speed = f32(&arguments["sidestep_speed"])?;
-    state.turn_command = Command(id(&arguments["turn"])?);
-    interp.my_run_rate = f32(&arguments["my_run_rate"])?;
-    interp.jump_extent = f32(&arguments["jump_extent"])?;
-    Some(interp)
-}
-
-/// A *hold key*.
-pub fn hold_key(value: &Value) -> Option<HoldKey> {
-    Some(match value.as_str()? {
-        "invalid" => HoldKey::Invalid,
-        "none" => HoldKey::None,
-        "run" => HoldKey::Run,
-        _ => return None,
-    })
-}
-
-/// Writes a *hold key*.
-pub fn put_hold_key(key: HoldKey) -> Value {
-    match key {
-        HoldKey::Invalid => "invalid",
-        HoldKey::None => "none",
-        HoldKey::Run => "run",
-    }
-    .into()
 }

@@ -55,7 +55,7 @@ pub fn answer(ctx: &VectorContext<'_>, vector: &Value) -> Option<Value> {
         "equal" => json!({ "equal": a()?.is_equal(&b()?, p) }),
         "adjust_to_outside" => {
             let mut position = position(&args["position"])?;
-            position.adjust_to_outside();
+            position.adjust_to_outside(p);
             json!({ "position": put_position(&position) })
         }
         "plane_localtoglobal" => {

@@ -6,6 +6,7 @@
 
 mod constraint;
 mod interpolation;
+mod object;
 mod position;
 mod sticky;
 mod target;
