@@ -34,6 +34,7 @@ mod frame;
 mod integrator;
 mod jump;
 mod landdefs;
+mod motion_object;
 mod motioninterp;
 mod motiontable;
 mod mover;
