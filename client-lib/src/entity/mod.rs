@@ -5,6 +5,7 @@
     reason = "the type Entity lives in the file of its name"
 )]
 mod entity;
+mod frame_state;
 mod store;
 mod weenie;
 

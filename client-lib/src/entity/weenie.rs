@@ -1,6 +1,7 @@
 //! The game-logic companion of an object: the questions the client asks it, as plain answers (`spec/06-physics-object.md`, A8).
 
 use crate::math::Vec3;
+use crate::motion::Character;
 
 /// What an object's game-logic companion answers. The yes/no questions of the collision code are in
 /// [`WeenieFlags`](crate::physics::body::WeenieFlags).
@@ -14,6 +15,8 @@ pub struct Weenie {
     pub can_jump: bool,
     /// Answer to `JumpStaminaCost`; `None` = does not answer.
     pub jump_stamina_cost: Option<i32>,
+    /// Answers these four by the formulas of a character instead.
+    pub character: Option<Character>,
     /// Is a corpse: placed without a collision test.
     pub corpse: bool,
     /// Answer to `InqCollisionProfile`.

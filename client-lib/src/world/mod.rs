@@ -5,6 +5,8 @@
 //!
 //! Source: `spec/02-terrain.md`, `spec/03-cells.md`.
 
+mod random;
+mod scratch;
 mod adjust;
 mod cell;
 mod cell_array;
@@ -26,6 +28,8 @@ pub mod window;
 )]
 mod world;
 
+pub use random::Random;
+pub use scratch::Scratch;
 pub use cell::{
     BuildingPortal, CellBase, CellPortal, CellRef, EnvCell, LandCell, LandCellRef, PortalTarget,
 };

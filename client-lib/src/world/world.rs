@@ -2,9 +2,13 @@
 
 use std::sync::Arc;
 
+use super::random::Random;
+use super::scratch::Scratch;
 use super::{Landscape, Resources, WorldSource};
 use crate::entity::Entities;
 use crate::math::CellId;
+use crate::physics::body::EntityId;
+use crate::physics::maintenance::{DestructionQueue, LostCells};
 use crate::physics::transition::{CellArray, TransitionSlots};
 use crate::profile::Profile;
 
@@ -29,6 +33,20 @@ pub struct World {
     pub entities: Entities,
     /// The pool of transitions.
     pub slots: TransitionSlots,
+    /// The only source of chance (`spec/06-physics-object.md`, C3).
+    pub random: Random,
+    /// The local player, if there is one.
+    pub local_player: Option<EntityId>,
+    /// Objects far from the local player rest.
+    pub culling_enabled: bool,
+    /// Entities whose animation is advanced although they are static.
+    pub static_animations: Vec<EntityId>,
+    /// Entities whose cell is not there.
+    pub lost: LostCells,
+    /// Entities out of sight.
+    pub doomed: DestructionQueue,
+    /// Memory that is reused.
+    pub scratch: Scratch,
     /// Scratch of the loader.
     pub(super) loading_cells: CellArray,
 }
@@ -60,6 +78,13 @@ impl World {
             clock: Clock::at(now),
             entities: Entities::default(),
             slots: TransitionSlots::default(),
+            random: Random::Middle,
+            local_player: None,
+            culling_enabled: true,
+            static_animations: Vec::new(),
+            lost: LostCells::default(),
+            doomed: DestructionQueue::default(),
+            scratch: Scratch::default(),
         }
     }
 

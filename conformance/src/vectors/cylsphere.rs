@@ -28,7 +28,7 @@ pub fn answer(ctx: &VectorContext<'_>, vector: &Value) -> Option<Value> {
         let hit = obstacle.collides_with_sphere(&ball, ball.center - obstacle.low, reach);
         return Some(json!({ "result": hit }));
     }
-    let world = World::new(ctx.profile.clone());
+    let world = World::new(ctx.profile.clone(), 0.0);
     let mut t = mover::transition(&world, args)?;
     let first = t.path.global_sphere[0];
     let reach = obstacle.radius + first.radius - EPSILON;

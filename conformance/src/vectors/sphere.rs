@@ -38,7 +38,7 @@ pub fn answer(ctx: &VectorContext<'_>, vector: &Value) -> Option<Value> {
 }
 
 fn against_mover(ctx: &VectorContext<'_>, name: &str, args: &Value) -> Option<Value> {
-    let world = World::new(ctx.profile.clone());
+    let world = World::new(ctx.profile.clone(), 0.0);
     let mut t = mover::transition(&world, args)?;
     let obstacle = sphere(&args["sphere"]);
     let reach = obstacle.map(|o| o.radius + t.path.global_sphere[0].radius - EPSILON);

@@ -334,7 +334,8 @@ impl CylSphere {
         let found = if !definite {
             clip.uncertain()
         } else if normal.z != 0.0 {
-            clip.cap().map(|(_, time)| ClipTime { normal, time })
+            clip.cap(clip.from_base.z)
+                .map(|(_, time)| ClipTime { normal, time })
         } else {
             clip.shaft()
         };
@@ -373,11 +374,13 @@ struct ExactClip<'a> {
     discriminant: f64,
     /// Minus the horizontal product of movement and `from_base`.
     b: f32,
-    profile: &'a Profile,
+    /// `04:C4`: profile `ace` takes the movement's z for the height where the side is not certain, and goes the way backwards. What profile
+    /// `gdle` does there is undefined and not imitated.
+    takes_movement_for_height: bool,
 }
 
 impl<'a> ExactClip<'a> {
-    fn new(cylinder: &'a CylSphere, t: &Transition<'a>, touch: &Touch) -> Self {
+    fn new(cylinder: &'a CylSphere, t: &Transition<'_>, touch: &Touch) -> Self {
         let start = t.path.global_curr_center[0];
         let sphere = touch.mover.sphere;
         let m = t.path.curr_to_check_block_offset() + (sphere.center - start);
@@ -396,7 +399,7 @@ impl<'a> ExactClip<'a> {
             a,
             discriminant: f64::from(b) * f64::from(b) - c * f64::from(a),
             b,
-            profile: t.profile(),
+            takes_movement_for_height: t.profile().perfect_clip == PerfectClip::Ace,
         }
     }
 
@@ -407,19 +410,17 @@ impl<'a> ExactClip<'a> {
         (time / a) as f32
     }
 
-    /// Normal of the end that the mover comes from, and the time at which it is reached.
-    fn cap(&self) -> Option<(Vec3, f32)> {
+    /// Normal of the end that the mover comes from, and the time at which it is reached from the height `z` above the base.
+    fn cap(&self, z: f32) -> Option<(Vec3, f32)> {
         let m = self.movement;
         if m.z.abs() < EPSILON {
             return None;
         }
         let radius = self.sphere.radius;
         Some(if m.z > 0.0 {
-            let time = -((self.from_base.z + radius) / m.z);
-            (Vec3::new(0.0, 0.0, -1.0), time)
+            (Vec3::NEG_Z, -((z + radius) / m.z))
         } else {
-            let time = (radius + self.cylinder.height - self.from_base.z) / m.z;
-            (Vec3::Z, time)
+            (Vec3::Z, (radius + self.cylinder.height - z) / m.z)
         })
     }
 
@@ -441,7 +442,11 @@ impl<'a> ExactClip<'a> {
     }
 
     fn uncertain(&self) -> Option<ClipTime> {
-        let (normal, time) = self.cap()?;
+        let (normal, time) = self.cap(if self.takes_movement_for_height {
+            self.movement.z
+        } else {
+            self.from_base.z
+        })?;
         let offset = self.movement * time;
         if level_squared(offset + self.from_base) < self.reach * self.reach {
             return Some(ClipTime { normal, time });
@@ -459,8 +464,12 @@ impl<'a> ExactClip<'a> {
     }
 
     /// From the check position to where the mover touches. Quirk: current and check space are mixed without a block offset.
-    fn offset(&self, time: f32, _definite: bool) -> Vec3 {
-        let _ = (self.profile, PerfectClip::Exact);
-        self.start + self.movement * time - self.sphere.center
+    fn offset(&self, time: f32, definite: bool) -> Vec3 {
+        let way = self.movement * time;
+        if self.takes_movement_for_height && !definite {
+            self.start - way - self.sphere.center
+        } else {
+            self.start + way - self.sphere.center
+        }
     }
 }

@@ -26,7 +26,10 @@ mod step;
 mod validate;
 mod walkable;
 
-pub use run::{ContactSeed, MoverSpheres, Outcome, Path, TransitionInput, TransitionResult};
+pub use object_info::is_valid_walkable;
+pub use run::{
+    ContactSeed, MoverSpheres, Outcome, Path, SphereUse, TransitionInput, TransitionResult,
+};
 pub use slots::{Transit, TransitionSlots};
 pub use state::{
     CellArray, CellArrayEntry, CollisionInfo, ContactPlane, InsertType, ObjectInfo,
