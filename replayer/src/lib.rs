@@ -5,6 +5,5 @@
 
 pub mod client;
 pub mod simulation;
-pub mod stage;
 
 pub use simulation::{Simulation, SimulationError, Simulator};
