@@ -172,7 +172,7 @@ impl Entity {
         }
         let cell = match record.cell {
             0 => None,
-            id => world.load_cell(CellId(id)),
+            id => world.visible_cell(CellId(id)),
         };
         if cell != self.body.cell {
             self.remove_shadows_from_cells(world);

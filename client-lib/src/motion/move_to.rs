@@ -148,19 +148,17 @@ impl MoveToManager {
         if !self.params.has(MovementFlags::USE_SPHERES) {
             return own.distance(target);
         }
-        UprightCylinder {
+        let body = UprightCylinder {
             radius: object.radius(),
             height: object.height(),
             position: own,
-        }
-        .distance(
-            &UprightCylinder {
-                radius: self.sought_object_radius,
-                height: self.sought_object_height,
-                position: target,
-            },
-            profile,
-        )
+        };
+        let target = UprightCylinder {
+            radius: self.sought_object_radius,
+            height: self.sought_object_height,
+            position: target,
+        };
+        body.distance(&target, profile) as f32
     }
 
     /// Takes the same sample as the first and as the last.

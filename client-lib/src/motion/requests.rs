@@ -206,13 +206,13 @@ impl Entity {
         world: &mut World,
     ) -> MotionResult {
         let long_jump = self.interp().is_some_and(|interp| interp.standing_longjump);
-        let animated = contact_allows_move(command, &self.mover(world))
+        let animates = contact_allows_move(command, &self.mover(world))
             && !(long_jump && held_back_by_long_jump(command));
-        if animated {
+        if animates {
             animated(self.stop_interpreted_motion(command.0, world))?;
         }
         if let Some(interp) = self.interp_mut() {
-            if animated {
+            if animates {
                 interp.add_to_queue(params.context_id, Command::READY, false);
             }
             if params.has(MovementFlags::MODIFY_INTERPRETED_STATE) {

@@ -153,7 +153,7 @@ impl Entity {
         let do_not_load = to.flags.contains(PlacementFlags::DONT_CREATE_CELLS);
         let input = self.placement_input(None, &place, slide, do_not_load, world);
         let low = input.spheres.as_slice().first().map_or_else(Default::default, |s| s.center);
-        let Some(cell) = world.adjust_position(&mut place, low) else {
+        let Some(cell) = world.adjust_position(&mut place, low, true) else {
             self.become_lost(&place, world);
             return SetPositionError::Ok;
         };

@@ -197,7 +197,7 @@ impl Entity {
                 continue;
             };
             let mut at = 0;
-            while let Some(object) = world.land.shadow_at(cell, at) {
+            while let Some(object) = world.land.cell(cell).and_then(|c| c.base().shadows.get(at).copied()) {
                 at += 1;
                 let ObjectRef::Entity(id) = object else {
                     // Static objects never report.

@@ -320,9 +320,12 @@ impl Builder<'_> {
         };
         let seen = |id: CellId| env.stab_list.contains(&id);
         match self.profile.do_not_load {
-            DoNotLoad::OwnEntry => self.array.filter(self.profile, |id| id != start || seen(id)),
+            DoNotLoad::OwnEntry => self
+                .array
+                .filter(self.profile, |id| id != start || seen(id)),
             DoNotLoad::Statics | DoNotLoad::StartsIndoors => {
-                self.array.filter(self.profile, |id| id == start || seen(id));
+                self.array
+                    .filter(self.profile, |id| id == start || seen(id));
             }
         }
     }
@@ -407,12 +410,19 @@ impl Builder<'_> {
         let mut outside = false;
         for portal in &env.portals {
             let distance = |sphere: &Sphere| {
-                let local = env.position.frame.global_to_local(sphere.center, self.profile);
+                let local = env
+                    .position
+                    .frame
+                    .global_to_local(sphere.center, self.profile);
                 (portal.plane.distance(local), sphere.radius + EPSILON)
             };
             let PortalTarget::Cell(id) = portal.target else {
                 // The plane only, not the polygon.
-                outside |= at.spheres.iter().map(distance).any(|(d, r)| -r < d && d < r);
+                outside |= at
+                    .spheres
+                    .iter()
+                    .map(distance)
+                    .any(|(d, r)| -r < d && d < r);
                 continue;
             };
             match self.neighbour(env, id) {

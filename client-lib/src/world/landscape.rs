@@ -87,6 +87,10 @@ pub struct Landscape {
     free_env_cells: Vec<u32>,
     statics: Vec<Option<Box<StaticObject>>>,
     free_statics: Vec<u32>,
+    /// Static objects with a default animation, in order of creation.
+    pub(super) animated_statics: Vec<StaticId>,
+    /// Some shadow records may name cells of released blocks.
+    pub(super) has_unlinked: bool,
 }
 
 impl Default for Landscape {
@@ -114,6 +118,8 @@ impl Landscape {
             free_env_cells: Vec::new(),
             statics: Vec::new(),
             free_statics: Vec::new(),
+            animated_statics: Vec::new(),
+            has_unlinked: false,
         }
     }
 
@@ -309,6 +315,16 @@ impl Landscape {
         self.statics.get_mut(id.0 as usize)?.as_deref_mut()
     }
 
+    /// Loaded static objects with a default animation, in order of creation.
+    pub fn animated_statics(&self) -> &[StaticId] {
+        &self.animated_statics
+    }
+
+    /// Place, shape and state of a loaded static object, to animate it. It must not be moved.
+    pub fn static_body_mut(&mut self, id: StaticId) -> Option<&mut Body> {
+        Some(&mut self.static_object_mut(id)?.body)
+    }
+
     /// Place, shape and state of a loaded static object.
     pub fn static_body(&self, id: StaticId) -> Option<&Body> {
         Some(&self.static_object(id)?.body)
@@ -409,7 +425,9 @@ impl Landscape {
         let cell = self.env_cells.get_mut(slot as usize)?.take()?;
         self.free_env_cells.push(slot);
         let entry = self.room_table[usize::from(cell.base.id.block())];
-        let rooms = self.rooms.get_mut(entry.checked_sub(FIRST_SLOT)? as usize)?;
+        let rooms = self
+            .rooms
+            .get_mut(entry.checked_sub(FIRST_SLOT)? as usize)?;
         rooms.retain(|&(_, s)| s != slot);
         Some(cell)
     }
@@ -425,6 +443,10 @@ impl Landscape {
                 StaticId(self.statics.len() as u32 - 1)
             }
         }
+    }
+
+    pub(super) fn static_slots(&self) -> usize {
+        self.statics.len()
     }
 
     pub(super) fn take_static(&mut self, id: StaticId) -> Option<Box<StaticObject>> {
