@@ -851,6 +851,8 @@ profile! {
     do_motion_loses_fields: bool = [false, true, false] "D5";
     /// Entering the default state.
     default_state: DefaultState = [DefaultState::Once, DefaultState::Once, DefaultState::Twice] "D8";
+    /// Whoever creates an entity hands its weenie to a new movement manager a second time.
+    weenie_set_twice: bool = [false, false, true] "scene-format";
     /// Posture that forbids a jump.
     jump_posture: JumpPosture = [JumpPosture::Fallen, JumpPosture::Falling, JumpPosture::Fallen] "D9";
     /// No weenie: speed cap and jump.

@@ -309,11 +309,14 @@ impl<'a> MotionPlayer<'a> {
         self.add_motion(back, 1.0);
         self.add_motion(Some(cycle), old.speed);
         self.re_modify();
-        let third = if self.profile.action_counts_first_link {
-            Some(out)
-        } else {
-            back
-        };
+        // `N-14`: one reference counts the first link a second time, if there is a way back.
+        let third = back.map(|back| {
+            if self.profile.action_counts_first_link {
+                out
+            } else {
+                back
+            }
+        });
         Some(count(Some(out)) + count(Some(link)) + count(third))
     }
 

@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use crate::math::{Position, Vec3};
-use crate::physics::collision::GfxShape;
+use crate::physics::collision::{GfxShape, PlacedPart};
 
 /// A shape and where it is.
 #[derive(Debug, Clone)]
 pub struct PhysicsPart {
+    /// Id of the shape, 0x01......
+    pub shape_id: u32,
     /// Full-detail shape; it carries the physics BSP.
     pub shape: Arc<GfxShape>,
     /// Scale of the shape. Collision uses the z component for all axes.
@@ -22,8 +24,9 @@ pub struct PhysicsPart {
 
 impl PhysicsPart {
     /// A part of natural size at no place yet.
-    pub fn new(shape: Arc<GfxShape>) -> Self {
+    pub fn new(shape_id: u32, shape: Arc<GfxShape>) -> Self {
         Self {
+            shape_id,
             shape,
             scale: Vec3::ONE,
             position: Position::default(),
@@ -34,7 +37,16 @@ impl PhysicsPart {
 
     /// Whether the part can be collided with.
     pub fn has_physics_bsp(&self) -> bool {
-        self.shape.has_physics_bsp()
+        self.shape.physics.is_some()
+    }
+
+    /// The part as the collision tests take it.
+    pub fn placed(&self) -> PlacedPart<'_> {
+        PlacedPart {
+            shape: Some(&self.shape),
+            position: &self.position,
+            scale: self.scale,
+        }
     }
 
     /// Sets the translucency; fully translucent parts are not drawn, all others are. Cosmetic.

@@ -96,6 +96,11 @@ impl Sequence {
         self.frame_number
     }
 
+    /// Sets the frame number: for state that was stored.
+    pub fn set_frame_number(&mut self, frame_number: f64) {
+        self.frame_number = frame_number;
+    }
+
     /// Whole frame number (`get_curr_frame_number`).
     pub fn current_frame(&self) -> i32 {
         self.frame_number.floor() as i32

@@ -11,12 +11,15 @@ mod anim_frame;
 mod animation;
 mod any;
 mod bsp;
+mod container;
 mod cyl_sphere;
 mod degrade_info;
 mod env_cell;
 mod environment;
 mod error;
 mod frame;
+#[doc(hidden)]
+pub mod fuzzing;
 mod gfx_obj;
 mod hook;
 mod iteration;
@@ -24,6 +27,7 @@ mod keyed;
 mod kind;
 mod landblock;
 mod landblock_info;
+pub mod lint;
 mod motion_data;
 mod motion_table;
 mod palette;
@@ -34,6 +38,7 @@ mod reader;
 mod record;
 mod region;
 mod scene;
+mod set;
 mod setup;
 mod sky;
 mod sound_table;
@@ -42,6 +47,7 @@ mod surface;
 mod texture;
 mod vertex;
 mod wave;
+pub mod worldgen;
 mod writer;
 
 pub use anim_frame::AnimFrame;
@@ -50,6 +56,11 @@ pub use any::AnyRecord;
 pub use bsp::{
     BspPortal, BspTag, BspTree, CellBsp, CellInner, CellLeaf, CellNode, DrawingBsp, DrawingInner,
     DrawingNode, MAX_DEPTH, NodeId, PhysicsBsp, PhysicsInner, PhysicsLeaf, PhysicsNode, PoolRange,
+};
+pub use container::{
+    BlockCounts, ContainerReport, DatBuilder, DatFile, Entry, HEADER_AT, HEADER_END, Header, MAGIC,
+    MAX_EXPANDED, MAX_LEVELS, MAX_RECORD, NODE_BRANCHES, NODE_ENTRIES, NODE_LEAST, NODE_SIZE,
+    Placement, ReadAt, ReadCounts,
 };
 pub use cyl_sphere::CylSphere;
 pub use degrade_info::{DegradeInfo, DegradeLevel};
@@ -77,6 +88,7 @@ pub use region::{
     RegionParts, SceneType, TerrainTexture, TerrainType, TextureMerge, TimeOfDay,
 };
 pub use scene::{Scene, SceneObject};
+pub use set::{CELL_FILE, DatSet, Kept, PORTAL_FILE};
 pub use setup::{Light, Location, Setup, SetupFlags};
 pub use sky::{DayGroup, Sky, SkyObject, SkyReplacement, SkyTime};
 pub use sound_table::{SoundChoice, SoundSlot, SoundTable};
@@ -86,3 +98,6 @@ pub use texture::{PixelFormat, RenderSurface, SurfaceTexture};
 pub use vertex::{Vertex, VertexArray};
 pub use wave::Wave;
 pub use writer::Writer;
+
+#[cfg(test)]
+mod tests;

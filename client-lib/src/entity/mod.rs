@@ -5,11 +5,13 @@
     reason = "the type Entity lives in the file of its name"
 )]
 mod entity;
+mod frame_state;
 mod store;
 mod weenie;
 
 pub use entity::{Child, CollisionRecord, CollisionTable, Entity, Kinetics, Timestamps};
 pub use store::Entities;
 pub use weenie::{
-    AttackReport, CollisionProfile, CollisionReport, EnvironmentReport, ObjectReport, Weenie,
+    AttackReport, CollisionProfile, CollisionReport, EnvironmentReport, HouseAccess, ObjectReport,
+    Weenie,
 };

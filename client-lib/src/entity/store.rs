@@ -15,6 +15,8 @@ pub struct Entities {
     slots: Vec<Option<Box<Entity>>>,
     /// The object table in order of registration.
     table: Vec<EntityId>,
+    /// By handle: is in the table.
+    registered: Vec<bool>,
     by_guid: HashMap<u32, EntityId>,
 }
 
@@ -23,6 +25,7 @@ impl Entities {
     pub fn create(&mut self, guid: u32, now: f64) -> Box<Entity> {
         let id = EntityId(self.slots.len() as u32);
         self.slots.push(None);
+        self.registered.push(false);
         Box::new(Entity::new(id, guid, now))
     }
 
@@ -30,20 +33,34 @@ impl Entities {
     pub fn register(&mut self, id: EntityId, guid: u32) {
         if let Some(former) = self.by_guid.insert(guid, id) {
             self.table.retain(|&e| e != former);
+            self.mark(former, false);
         }
         self.table.push(id);
+        self.mark(id, true);
     }
 
     /// Takes an object out of the object table. The object goes on existing until [`Entities::remove`].
     pub fn unregister(&mut self, id: EntityId) {
         self.table.retain(|&e| e != id);
         self.by_guid.retain(|_, e| *e != id);
+        self.mark(id, false);
+    }
+
+    fn mark(&mut self, id: EntityId, registered: bool) {
+        if let Some(mark) = self.registered.get_mut(id.0 as usize) {
+            *mark = registered;
+        }
     }
 
     /// Ends an object's existence.
     pub fn remove(&mut self, id: EntityId) -> Option<Box<Entity>> {
         self.unregister(id);
         self.take(id)
+    }
+
+    /// Whether an object is in the object table.
+    pub fn is_registered(&self, id: EntityId) -> bool {
+        self.registered.get(id.0 as usize).copied().unwrap_or(false)
     }
 
     /// The object table in order of registration.
@@ -112,7 +129,7 @@ impl World {
     pub fn body(&self, object: ObjectRef) -> Option<&Body> {
         match object {
             ObjectRef::Entity(id) => self.entity(id).map(|e| &e.body),
-            ObjectRef::Static(_) => None,
+            ObjectRef::Static(id) => self.land.static_body(id),
         }
     }
 }
@@ -123,12 +140,14 @@ impl Entity {
     /// Rare paths only (voyeur updates, notifications): it moves the whole object twice.
     pub fn lend<R>(&mut self, world: &mut World, f: impl FnOnce(&mut World) -> R) -> R {
         let id = self.id;
-        let stand_in = Self::new(id, self.body.guid, 0.0);
-        let own = std::mem::replace(self, stand_in);
-        world.entities.put(Box::new(own));
+        let spare = world.scratch.spare_entity.take();
+        let mut own = spare.unwrap_or_else(|| Box::new(Self::new(id, 0, 0.0)));
+        std::mem::swap(self, &mut own);
+        world.entities.put(own);
         let result = f(world);
-        if let Some(own) = world.entities.take(id) {
-            *self = *own;
+        if let Some(mut own) = world.entities.take(id) {
+            std::mem::swap(self, &mut own);
+            world.scratch.spare_entity = Some(own);
         }
         result
     }

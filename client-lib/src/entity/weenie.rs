@@ -1,6 +1,7 @@
 //! The game-logic companion of an object: the questions the client asks it, as plain answers (`spec/06-physics-object.md`, A8).
 
 use crate::math::Vec3;
+use crate::motion::Character;
 
 /// What an object's game-logic companion answers. The yes/no questions of the collision code are in
 /// [`WeenieFlags`](crate::physics::body::WeenieFlags).
@@ -14,10 +15,14 @@ pub struct Weenie {
     pub can_jump: bool,
     /// Answer to `JumpStaminaCost`; `None` = does not answer.
     pub jump_stamina_cost: Option<i32>,
+    /// Answers these four by the formulas of a character instead.
+    pub character: Option<Character>,
     /// Is a corpse: placed without a collision test.
     pub corpse: bool,
     /// Answer to `InqCollisionProfile`.
     pub profile: Option<CollisionProfile>,
+    /// The object is a house that bars its cells.
+    pub house: Option<HouseAccess>,
     /// Collision callbacks are kept in [`Entity::reports`](super::Entity::reports) for the host, which empties the list.
     pub collects_reports: bool,
 }
@@ -31,6 +36,24 @@ pub struct CollisionProfile {
     pub item_type: u32,
     /// Creature 0x1, Player 0x2, Attackable 0x4, Door 0x40.
     pub flags: u32,
+}
+
+/// Who may enter the cells of a house (`spec/03-cells.md`, 13.6).
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct HouseAccess {
+    /// There is no owner, or the house is open.
+    pub open: bool,
+    /// GUIDs of those who may enter.
+    pub guests: Vec<u32>,
+}
+
+impl Weenie {
+    /// Whether a mover may enter the cells that this object bars.
+    pub fn admits(&self, guid: u32) -> bool {
+        self.house
+            .as_ref()
+            .is_some_and(|house| house.open || house.guests.contains(&guid))
+    }
 }
 
 /// A touch, as told to a weenie.

@@ -6,7 +6,7 @@
 use crate::entity::Entity;
 use crate::math::Frame;
 use crate::physics::update::CommitKind;
-use crate::physics::transition::{Transit, TransitionInput};
+use crate::physics::transition::{TransitionInput, TransitionResult};
 use crate::world::World;
 
 /// A named stage of an entity's tick, in the order of a quantum.
@@ -68,12 +68,12 @@ pub enum StageData<'a> {
     },
     /// Hooks and motion: nothing passes through.
     None,
-    /// Transition: what goes in and, afterwards, what came out (`None`: no valid position).
+    /// Transition: what goes in and, afterwards, what came out.
     Transition {
         /// Start, goal and mover.
         input: &'a TransitionInput,
         /// The result, after the stage.
-        result: Option<&'a Transit>,
+        result: Option<&'a TransitionResult>,
     },
     /// Commit: how, and the wanted frame.
     Commit {

@@ -21,8 +21,9 @@ impl Entity {
         let mut index = 0;
         while let Some(hook) = self.queued_hook(index) {
             index += 1;
+            // Traces name every hook, also one that this profile does nothing about.
+            self.events.push(FrameEvent::AnimHook(hook.kind()));
             if is_executed(&hook, &world.profile) {
-                self.events.push(FrameEvent::AnimHook(hook.kind()));
                 self.execute_hook(hook, world);
             }
         }

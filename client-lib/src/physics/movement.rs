@@ -13,8 +13,6 @@ use crate::world::World;
 
 /// Error of a motion command on an object without parts: general movement failure.
 pub const GENERAL_MOVEMENT_FAILURE: u32 = 0x47;
-/// Error of a motion command on an object without a movement manager or motion table.
-pub const NO_ANIMATION_TABLE: u32 = 0x07;
 
 impl Entity {
     /// Starts a motion of the motion table (`DoInterpretedMotion`); 0, or the client's error code.

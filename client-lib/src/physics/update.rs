@@ -10,7 +10,7 @@ use crate::math::vector::{self, EPSILON};
 use crate::math::{BLOCK_LENGTH, Frame, Position, Vec3, heading_of_position_offset};
 use crate::physics::body::EntityId;
 use crate::physics::state::{PhysicsState, TransientState};
-use crate::physics::transition::Transit;
+use crate::physics::transition::{self, TransitionResult, TransitionState};
 use crate::profile::{Profile, Remainder, Unmoved};
 use crate::world::World;
 
@@ -83,6 +83,9 @@ impl Entity {
             return;
         }
         self.cull_by_distance(world);
+        if self.position_manager.as_ref().is_some_and(|m| m.is_broken()) {
+            return;
+        }
         world.clock.sim_time = self.kin.update_time;
         let gap = now - self.kin.update_time;
         if gap <= world.profile.min_quantum {
@@ -148,11 +151,11 @@ impl Entity {
         let Some(outcome) = self.move_to_wanted(wanted, quantum.narrow, world, probe) else {
             return;
         };
+        self.motion_stage(quantum, world, probe);
         self.steps.push(Step {
             dt: quantum.narrow,
             outcome,
         });
-        self.motion_stage(quantum, world, probe);
     }
 
     /// Root motion, managers, integration and hooks (`UpdatePositionInternal`, B5): the frame the object wants to have.
@@ -165,19 +168,19 @@ impl Entity {
         let hidden = self.body.state.contains(PhysicsState::HIDDEN);
         let mut offset = Frame::IDENTITY;
         if !hidden {
-            observe(self, world, probe, TickStage::Animation, quantum, StageData::Offset(&offset), Side::Before);
+            observe(self, world, probe, TickStage::Animation, quantum.narrow, StageData::Offset(&offset), Side::Before);
             self.animate(&mut offset, quantum.narrow, &world.profile);
-            observe(self, world, probe, TickStage::Animation, quantum, StageData::Offset(&offset), Side::After);
+            observe(self, world, probe, TickStage::Animation, quantum.narrow, StageData::Offset(&offset), Side::After);
         }
         if self.position_manager.is_some() {
-            observe(self, world, probe, TickStage::Adjust, quantum, StageData::Offset(&offset), Side::Before);
+            observe(self, world, probe, TickStage::Adjust, quantum.narrow, StageData::Offset(&offset), Side::Before);
             self.adjust_offset(&mut offset, quantum.wide, world);
-            observe(self, world, probe, TickStage::Adjust, quantum, StageData::Offset(&offset), Side::After);
+            observe(self, world, probe, TickStage::Adjust, quantum.narrow, StageData::Offset(&offset), Side::After);
         }
         let mut frame = self.body.position.frame.combine(&offset, &world.profile);
         if !hidden {
             let data = StageData::Integrate { offset: &offset, frame: &frame };
-            observe(self, world, probe, TickStage::Integrate, quantum, data, Side::Before);
+            observe(self, world, probe, TickStage::Integrate, quantum.narrow, data, Side::Before);
             self.kin.update_physics(
                 &mut frame,
                 quantum.narrow,
@@ -186,12 +189,12 @@ impl Entity {
                 &world.profile,
             );
             let data = StageData::Integrate { offset: &offset, frame: &frame };
-            observe(self, world, probe, TickStage::Integrate, quantum, data, Side::After);
+            observe(self, world, probe, TickStage::Integrate, quantum.narrow, data, Side::After);
         }
         if self.has_hooks() {
-            observe(self, world, probe, TickStage::Hooks, quantum, StageData::None, Side::Before);
+            observe(self, world, probe, TickStage::Hooks, quantum.narrow, StageData::None, Side::Before);
             self.process_hooks(world);
-            observe(self, world, probe, TickStage::Hooks, quantum, StageData::None, Side::After);
+            observe(self, world, probe, TickStage::Hooks, quantum.narrow, StageData::None, Side::After);
         }
         frame
     }
@@ -241,17 +244,19 @@ impl Entity {
             cell: self.body.position.cell,
             frame,
         };
-        let mut transit = std::mem::take(&mut world.scratch.transit);
-        let moved = self.transition(&goal, quantum, &mut transit, world, probe)
-            && !(transit.curr_cell.is_none() && world.profile.no_cell_fails);
-        let outcome = if moved {
-            self.commit_transit(&transit, &frame, quantum, world, probe);
-            transit.outcome
-        } else {
+        let transit = self.transition(&goal, quantum, world, probe);
+        let Some(transit) = transit else {
+            self.stay(frame, CommitKind::Failed, quantum, world, probe);
+            return Some(Outcome::Failed);
+        };
+        let outcome = if transit.result.cell.is_none() && world.profile.no_cell_fails {
             self.stay(frame, CommitKind::Failed, quantum, world, probe);
             Outcome::Failed
+        } else {
+            self.commit_transit(&transit.result, &frame, quantum, world, probe);
+            outcome_of(transit.result.outcome)
         };
-        world.scratch.transit = transit;
+        world.slots.recycle(transit);
         Some(outcome)
     }
 
@@ -275,18 +280,18 @@ impl Entity {
     /// Commits the result of a transition (B4 step 6b).
     fn commit_transit<P: Probe>(
         &mut self,
-        transit: &Transit,
+        result: &TransitionResult,
         wanted: &Frame,
         quantum: f32,
         world: &mut World,
         probe: &mut P,
     ) {
         let data = StageData::Commit { kind: CommitKind::Transition, frame: wanted };
-        observe_at(self, world, probe, TickStage::Commit, quantum, data, Side::Before);
-        let moved = self.body.position.offset_to(&transit.curr_pos);
+        observe(self, world, probe, TickStage::Commit, quantum, data, Side::Before);
+        let moved = self.body.position.offset_to(&result.position);
         self.kin.cached_velocity = Vec3::new(moved.x / quantum, moved.y / quantum, moved.z / quantum);
-        self.set_position_internal(transit, world);
-        observe_at(self, world, probe, TickStage::Commit, quantum, data, Side::After);
+        self.set_position_internal(result, world);
+        observe(self, world, probe, TickStage::Commit, quantum, data, Side::After);
     }
 
     /// Keeps the origin and takes the rotation.
@@ -299,7 +304,7 @@ impl Entity {
         probe: &mut P,
     ) {
         let data = StageData::Commit { kind, frame: &wanted };
-        observe_at(self, world, probe, TickStage::Commit, quantum, data, Side::Before);
+        observe(self, world, probe, TickStage::Commit, quantum, data, Side::Before);
         let mut frame = wanted;
         // Profile `ace` keeps the tiny displacement of an object that "has not moved" (O-05).
         let keeps_displacement =
@@ -319,7 +324,7 @@ impl Entity {
             self.set_frame(frame, world);
         }
         self.kin.cached_velocity = Vec3::ZERO;
-        observe_at(self, world, probe, TickStage::Commit, quantum, data, Side::After);
+        observe(self, world, probe, TickStage::Commit, quantum, data, Side::After);
     }
 
     /// Targets, move-to, completed motions, position managers (B4 steps 9 to 12).
@@ -336,9 +341,9 @@ impl Entity {
         if !runs {
             return;
         }
-        observe(self, world, probe, TickStage::Motion, quantum, StageData::None, Side::Before);
+        observe(self, world, probe, TickStage::Motion, quantum.narrow, StageData::None, Side::Before);
         self.run_managers(world);
-        observe(self, world, probe, TickStage::Motion, quantum, StageData::None, Side::After);
+        observe(self, world, probe, TickStage::Motion, quantum.narrow, StageData::None, Side::After);
     }
 
     /// The managers of one quantum, in the client's order.
@@ -363,26 +368,13 @@ fn leaves_block(from: Vec3, to: Vec3) -> bool {
 
 /// Which side of a stage is shown to a probe.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Side {
+pub(crate) enum Side {
     Before,
     After,
 }
 
 #[inline(always)]
-fn observe<P: Probe>(
-    entity: &Entity,
-    world: &World,
-    probe: &mut P,
-    stage: TickStage,
-    quantum: Quantum,
-    data: StageData<'_>,
-    side: Side,
-) {
-    observe_at(entity, world, probe, stage, quantum.narrow, data, side);
-}
-
-#[inline(always)]
-fn observe_at<P: Probe>(
+pub(crate) fn observe<P: Probe>(
     entity: &Entity,
     world: &World,
     probe: &mut P,
@@ -401,5 +393,18 @@ fn observe_at<P: Probe>(
     match side {
         Side::Before => probe.before(view),
         Side::After => probe.after(view),
+    }
+}
+
+fn outcome_of(outcome: transition::Outcome) -> Outcome {
+    match outcome {
+        transition::Outcome::Step(TransitionState::Ok) => Outcome::Ok,
+        transition::Outcome::Step(TransitionState::Collided) => Outcome::Collided,
+        transition::Outcome::Step(TransitionState::Adjusted) => Outcome::Adjusted,
+        transition::Outcome::Step(TransitionState::Slid) => Outcome::Slid,
+        transition::Outcome::Failed => Outcome::Failed,
+        transition::Outcome::None | transition::Outcome::Step(TransitionState::Invalid) => {
+            Outcome::None
+        }
     }
 }

@@ -12,6 +12,8 @@ use crate::physics::transition::{InsertType, Transition, TransitionState};
 pub struct GfxShape {
     /// Own id, 0x01......; 0 for a shape that no file holds.
     pub id: u32,
+    /// Always drawn facing the viewer: for its cells a part of this shape is as large as its sphere (`spec/03`, 10.4).
+    pub always_2d: bool,
     /// Tree of the collision polygons; absent for an object that nothing collides with.
     pub physics: Option<PhysicsTree>,
     /// Bounding sphere of the drawing tree; absent without one.
@@ -65,6 +67,7 @@ impl GfxShape {
     ) -> Self {
         Self {
             id: 0,
+            always_2d: false,
             physics,
             drawing_sphere,
             bounds: box_of(vertices),
@@ -85,7 +88,10 @@ impl GfxShape {
     pub fn bounding_sphere(&self) -> Sphere {
         self.physics_sphere()
             .or(self.drawing_sphere)
-            .unwrap_or_default()
+            .unwrap_or(Sphere {
+                center: Vec3::ZERO,
+                radius: 0.0,
+            })
     }
 
     /// Tests the shape against the mover, whose spheres are in the shape's space already (12.1).

@@ -26,12 +26,16 @@ mod step;
 mod validate;
 mod walkable;
 
-pub use run::{ContactSeed, MoverSpheres, Outcome, Path, TransitionInput, TransitionResult};
+pub use object_info::is_valid_walkable;
+pub use run::{
+    ContactSeed, MoverSpheres, Outcome, Path, SphereUse, TransitionInput, TransitionResult,
+};
 pub use slots::{Transit, TransitionSlots};
 pub use state::{
     CellArray, CellArrayEntry, CollisionInfo, ContactPlane, InsertType, ObjectInfo,
     ObjectInfoState, Progress, SpherePath, Transition, TransitionState,
 };
+pub use walkable::TerrainContact;
 
 /// A surface is walkable when the z of its normal is at least this (about 48.38° from flat).
 pub const FLOOR_Z: f32 = 0.664_174_14;
