@@ -18,6 +18,7 @@ pub mod formulas;
 mod ground;
 mod heading;
 mod hold_key;
+mod inbound;
 mod interp;
 mod interpreted_state;
 mod move_to;
@@ -42,6 +43,7 @@ pub use command::{
 pub use error::{MotionError, MotionResult, code_of};
 pub use heading::{heading_diff, heading_greater};
 pub use hold_key::HoldKey;
+pub use inbound::{MovementHeader, MovementUpdate, UpdateKind};
 pub use interp::{
     Motion, MotionInterp, Mover, PendingMotion, contact_allows_move, motion_allows_jump,
 };
