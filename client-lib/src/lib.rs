@@ -6,8 +6,11 @@
 
 pub mod animation;
 pub mod dat;
+pub mod entity;
 pub mod frame;
 pub mod math;
+pub mod motion;
+pub mod net;
 pub mod physics;
 pub mod profile;
 pub mod world;

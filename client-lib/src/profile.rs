@@ -263,6 +263,17 @@ pub enum SphereSlide {
     TwiceX,
 }
 
+/// Exact time-of-impact clipping, which only cameras use (`04:S3`, `04:S4`, `04:C4`).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PerfectClip {
+    /// To the touching point.
+    Exact,
+    /// Signs and displacements exchanged.
+    Ace,
+    /// Spheres to the touching point, cylinders not finished.
+    Gdle,
+}
+
 /// Landing on a cylinder (`04:C1`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CylinderLanding {
@@ -709,21 +720,29 @@ profile! {
     /// Slide at a sphere too high to climb.
     sphere_slide: SphereSlide = [SphereSlide::Once, SphereSlide::Once, SphereSlide::TwiceX] "04:S6";
     /// A NaN root in the sphere step-down is written instead of answering Collided.
-    sphere_nan_root_written: bool = [false, false, true] "04:S7";
+    sphere_nan_root_written: bool = [false, true, false] "04:S7";
     /// Landing on a cylinder.
     cylinder_landing: CylinderLanding = [CylinderLanding::FlatTop, CylinderLanding::FlatTop, CylinderLanding::AsSphere] "04:C1";
     /// The displacement for a cylinder's upper sphere is the lower one's.
-    cylinder_upper_uses_lower: bool = [false, false, true] "04:C2";
+    cylinder_upper_uses_lower: bool = [false, true, false] "04:C2";
     /// Contact plane of a step down onto a cylinder.
     cylinder_step_down_plane: CylinderPlane = [CylinderPlane::TopCellSet, CylinderPlane::TopCellUnset, CylinderPlane::ThroughZero] "04:C3";
+    /// Exact clipping of cameras.
+    perfect_clip: PerfectClip = [PerfectClip::Exact, PerfectClip::Ace, PerfectClip::Gdle] "04:S3 04:S4 04:C4 04:C5";
+    /// A ray meets a sphere if its infinite line does, strictly and without a time.
+    sphere_ray_is_line: bool = [false, false, true] "04:S8";
+    /// A ray that meets a plane at a time that is not a number hits.
+    ray_nan_time_hits: bool = [false, false, true] "01:B4 04:P5";
     /// The BSP step-down offset is multiplied by the scale.
     bsp_step_down_scaled: bool = [true, true, false] "04:B1";
     /// A path-clipped mover's second sphere is tested.
     path_clipped_second_sphere: bool = [false, true, false] "04:B2";
-    /// Placement with the centre on a splitting plane descends the positive side first.
-    placement_positive_first: bool = [false, false, true] "04:B3";
+    /// Placement with the centre on a splitting plane descends the positive side first, and a point on a plane is on that side.
+    placement_positive_first: bool = [false, false, true] "04:B3 04:B4";
     /// A leaf is solid when the field is not 0 (instead of equal to 1); polygons are found by position (instead of key).
     solid_leaf_nonzero: bool = [false, false, true] "04:B6 04:B7";
+    /// A camera passes over terrain only if it also began indoors.
+    viewer_needs_indoor_start: bool = [false, true, true] "T-04";
     /// The collision normal is normalised.
     collision_normal_normalized: bool = [true, false, true] "T-01 04:H1";
     /// The sliding normal is normalised, with a two-dimensional test.
@@ -832,6 +851,8 @@ profile! {
     do_motion_loses_fields: bool = [false, true, false] "D5";
     /// Entering the default state.
     default_state: DefaultState = [DefaultState::Once, DefaultState::Once, DefaultState::Twice] "D8";
+    /// Whoever creates an entity hands its weenie to a new movement manager a second time.
+    weenie_set_twice: bool = [false, false, true] "scene-format";
     /// Posture that forbids a jump.
     jump_posture: JumpPosture = [JumpPosture::Fallen, JumpPosture::Falling, JumpPosture::Fallen] "D9";
     /// No weenie: speed cap and jump.

@@ -3,6 +3,7 @@
 use crate::animation::PartArray;
 use crate::math::Position;
 use crate::physics::state::PhysicsState;
+use crate::physics::transition::CellArrayEntry;
 use crate::world::CellHandle;
 
 /// Handle of an entity in its [`World`](crate::world::World). Handles are never reused.
@@ -37,6 +38,8 @@ pub struct WeenieFlags {
     pub pk_lite: bool,
     /// Is impenetrable: a player whose status is "free".
     pub impenetrable: bool,
+    /// May enter barred house cells.
+    pub bypasses_restrictions: bool,
     /// Is a storage container (collision exemption of its owner's missiles).
     pub storage: bool,
 }
@@ -62,6 +65,6 @@ pub struct Body {
     pub target: u32,
     /// The object that carries this one.
     pub parent: Option<ObjectRef>,
-    /// Cells that list this object in their shadow list, in the order of entering.
-    pub shadow_cells: Vec<CellHandle>,
+    /// Its shadows, in order: one per cell that must test it. The shadow of a cell that is not there is in no list.
+    pub shadows: Vec<CellArrayEntry>,
 }

@@ -1,6 +1,30 @@
 //! Physics: object state, integration, collision response, and the swept-sphere transition.
+//!
+//! One tick of an object is in [`update`]: time and quanta, then per quantum root motion, managers, the [`integrator`], hooks, the
+//! [`transition`], and the [commit](contacts) of its result.
 
+pub mod attachment;
 pub mod body;
 pub mod collision;
+mod commit;
+pub mod contacts;
+#[cfg(test)]
+mod contacts_tests;
+mod frames;
+mod hooks;
+pub mod integrator;
+#[cfg(test)]
+mod integrator_tests;
+pub mod lifecycle;
+pub mod maintenance;
+pub mod managers;
+mod membership;
+mod movement;
+pub mod network;
+mod other_updates;
+pub mod placement;
 pub mod state;
+mod state_change;
 pub mod transition;
+mod transition_setup;
+pub mod update;

@@ -69,7 +69,7 @@ bitflags! {
 }
 
 /// The mover, as the transition sees it (5.1).
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub struct ObjectInfo {
     /// The moving object; `None` in tests of single primitives.
     pub object: Option<ObjectRef>,
@@ -93,6 +93,10 @@ pub struct ObjectInfo {
     pub target_id: u32,
     /// The mover has a weenie that is a creature.
     pub creature: bool,
+    /// The mover's weenie may enter barred house cells.
+    pub bypasses_restrictions: bool,
+    /// A house barrier has let the mover pass in this transition (`C-15`, profile `ace`).
+    pub barrier_passed: bool,
     /// `kill_velocity` was called: the caller sets the mover's velocity to zero (7.2).
     pub velocity_killed: bool,
 }
@@ -182,7 +186,7 @@ pub struct SpherePath<'w> {
     /// Inside `check_walkable`.
     pub check_walkable: bool,
     /// Polygon last used as ground.
-    pub walkable: Option<&'w Polygon>,
+    pub walkable: Option<Polygon<'w>>,
     /// Sphere on it, in the polygon's space.
     pub walkable_check_pos: Sphere,
     /// Up in that space.
@@ -246,6 +250,19 @@ pub struct CellArray {
     pub added_outside: bool,
     /// Restrict the result to what the start cell sees.
     pub do_not_load_cells: bool,
+    /// Slots that removed entries left, the last one first to be reused (`C-03`, profile `ace`).
+    pub free_slots: Vec<u32>,
+}
+
+/// How far a transition has got, for traces; nothing in the transition reads it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Progress {
+    /// Sub-steps that the path was cut into (10.2).
+    pub planned: u32,
+    /// Sub-steps inserted and validated.
+    pub done: u32,
+    /// What the insert of the last sub-step answered, before validation.
+    pub last_insert: Option<TransitionState>,
 }
 
 /// One transition: what moves, along which path, and what it met. The world is read-only while it runs.
@@ -261,4 +278,8 @@ pub struct Transition<'w> {
     pub info: CollisionInfo,
     /// Cells touched.
     pub cells: CellArray,
+    /// Counters.
+    pub progress: Progress,
+    /// Something that can be loaded was looked up and is not loaded: the result means nothing, load it and run again.
+    pub missing: Option<CellId>,
 }

@@ -1,0 +1,154 @@
+//! The store of entities: handles, creation order, lookup by GUID.
+
+use std::collections::HashMap;
+
+use super::Entity;
+use crate::physics::body::{Body, EntityId, ObjectRef};
+use crate::world::World;
+
+/// Owns every entity. Handles are never reused; iteration is in order of registration.
+///
+/// An entity that is being worked on is taken out of the store (a pointer moves) and put back afterwards, so that its functions can have the
+/// world as an argument. While it is out, lookups do not find it: what it needs of itself it has.
+#[derive(Debug, Default)]
+pub struct Entities {
+    slots: Vec<Option<Box<Entity>>>,
+    /// The object table in order of registration.
+    table: Vec<EntityId>,
+    /// By handle: is in the table.
+    registered: Vec<bool>,
+    by_guid: HashMap<u32, EntityId>,
+}
+
+impl Entities {
+    /// Makes an object (not yet in the object table) whose clock starts at `now`, s, and takes it out at once.
+    pub fn create(&mut self, guid: u32, now: f64) -> Box<Entity> {
+        let id = EntityId(self.slots.len() as u32);
+        self.slots.push(None);
+        self.registered.push(false);
+        Box::new(Entity::new(id, guid, now))
+    }
+
+    /// Enters an object in the object table under its GUID; a former holder of the GUID leaves the table.
+    pub fn register(&mut self, id: EntityId, guid: u32) {
+        if let Some(former) = self.by_guid.insert(guid, id) {
+            self.table.retain(|&e| e != former);
+            self.mark(former, false);
+        }
+        self.table.push(id);
+        self.mark(id, true);
+    }
+
+    /// Takes an object out of the object table. The object goes on existing until [`Entities::remove`].
+    pub fn unregister(&mut self, id: EntityId) {
+        self.table.retain(|&e| e != id);
+        self.by_guid.retain(|_, e| *e != id);
+        self.mark(id, false);
+    }
+
+    fn mark(&mut self, id: EntityId, registered: bool) {
+        if let Some(mark) = self.registered.get_mut(id.0 as usize) {
+            *mark = registered;
+        }
+    }
+
+    /// Ends an object's existence.
+    pub fn remove(&mut self, id: EntityId) -> Option<Box<Entity>> {
+        self.unregister(id);
+        self.take(id)
+    }
+
+    /// Whether an object is in the object table.
+    pub fn is_registered(&self, id: EntityId) -> bool {
+        self.registered.get(id.0 as usize).copied().unwrap_or(false)
+    }
+
+    /// The object table in order of registration.
+    pub fn table(&self) -> &[EntityId] {
+        &self.table
+    }
+
+    /// Handle of a GUID in the object table.
+    pub fn id_of(&self, guid: u32) -> Option<EntityId> {
+        self.by_guid.get(&guid).copied()
+    }
+
+    /// An object, in the table or not; `None` if it is taken out or gone.
+    pub fn get(&self, id: EntityId) -> Option<&Entity> {
+        self.slots.get(id.0 as usize)?.as_deref()
+    }
+
+    /// An object, in the table or not; `None` if it is taken out or gone.
+    pub fn get_mut(&mut self, id: EntityId) -> Option<&mut Entity> {
+        self.slots.get_mut(id.0 as usize)?.as_deref_mut()
+    }
+
+    /// Takes an object out, to be [put](Entities::put) back.
+    pub fn take(&mut self, id: EntityId) -> Option<Box<Entity>> {
+        self.slots.get_mut(id.0 as usize)?.take()
+    }
+
+    /// Puts an object back.
+    pub fn put(&mut self, entity: Box<Entity>) {
+        let index = entity.id.0 as usize;
+        if let Some(slot) = self.slots.get_mut(index) {
+            *slot = Some(entity);
+        }
+    }
+}
+
+impl World {
+    /// An entity; `None` if it is taken out at the moment, or gone.
+    pub fn entity(&self, id: EntityId) -> Option<&Entity> {
+        self.entities.get(id)
+    }
+
+    /// An entity; `None` if it is taken out at the moment, or gone.
+    pub fn entity_mut(&mut self, id: EntityId) -> Option<&mut Entity> {
+        self.entities.get_mut(id)
+    }
+
+    /// Handle of a GUID in the object table.
+    pub fn entity_of_guid(&self, guid: u32) -> Option<EntityId> {
+        self.entities.id_of(guid)
+    }
+
+    /// Runs `f` on an entity that is taken out for that time; `None` if it is out already, or gone.
+    pub fn with_entity<R>(
+        &mut self,
+        id: EntityId,
+        f: impl FnOnce(&mut Entity, &mut Self) -> R,
+    ) -> Option<R> {
+        let mut entity = self.entities.take(id)?;
+        let result = f(&mut entity, self);
+        self.entities.put(entity);
+        Some(result)
+    }
+
+    /// Place, shape and state of an object; `None` if it is not loaded, or is an entity that is taken out.
+    pub fn body(&self, object: ObjectRef) -> Option<&Body> {
+        match object {
+            ObjectRef::Entity(id) => self.entity(id).map(|e| &e.body),
+            ObjectRef::Static(id) => self.land.static_body(id),
+        }
+    }
+}
+
+impl Entity {
+    /// Puts a taken-out entity back into the world while `f` runs, so that what `f` calls can find it and call back into it.
+    ///
+    /// Rare paths only (voyeur updates, notifications): it moves the whole object twice.
+    pub fn lend<R>(&mut self, world: &mut World, f: impl FnOnce(&mut World) -> R) -> R {
+        let id = self.id;
+        let spare = world.scratch.spare_entity.take();
+        let mut own = spare.unwrap_or_else(|| Box::new(Self::new(id, 0, 0.0)));
+        std::mem::swap(self, &mut own);
+        world.entities.put(own);
+        let result = f(world);
+        if let Some(mut own) = world.entities.take(id) {
+            std::mem::swap(self, &mut own);
+            world.scratch.spare_entity = Some(own);
+        }
+        result
+    }
+}

@@ -1,0 +1,410 @@
+//! The tick of one object: time, quanta, and the stages of a quantum (`spec/06-physics-object.md`, B2 to B5).
+//!
+//! `now` is the frame clock, `sim_time` the time inside the quantum being executed. An object is simulated up to its own `update_time`; a
+//! gap of at most 1/30 s waits, one above 2 s is dropped, and a long one is cut into quanta of at most 0.2 s.
+
+use crate::entity::Entity;
+use crate::frame::probe::{Probe, StageData, StageView, TickStage};
+use crate::frame::state::{Outcome, Step};
+use crate::math::vector::{self, EPSILON};
+use crate::math::{BLOCK_LENGTH, Frame, Position, Vec3, heading_of_position_offset};
+use crate::physics::body::EntityId;
+use crate::physics::state::{PhysicsState, TransientState};
+use crate::physics::transition::{self, TransitionResult, TransitionState};
+use crate::profile::{Profile, Remainder, Unmoved};
+use crate::world::World;
+
+/// A gap longer than this, s, is dropped.
+const HUGE_QUANTUM: f64 = 2.0;
+/// Objects farther than this from the local player, m, rest.
+const CULL_DISTANCE: f32 = 96.0;
+
+/// What a quantum commits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CommitKind {
+    /// The result of a transition.
+    Transition,
+    /// No valid position: the origin stays, the rotation is taken.
+    Failed,
+    /// No move: the origin stays exactly, the rotation is taken.
+    Still,
+    /// An object without spheres does not move by itself.
+    NoSpheres,
+}
+
+/// Length of a quantum: in f64 as the clock has it, and as the physics use it (O-04).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantum {
+    /// For position managers, s.
+    pub wide: f64,
+    /// For everything else, s.
+    pub narrow: f32,
+}
+
+impl Quantum {
+    /// A quantum of a length in s.
+    pub fn new(seconds: f64, profile: &Profile) -> Self {
+        let narrow = seconds as f32;
+        Self {
+            wide: if profile.quantum_narrowed_late {
+                seconds
+            } else {
+                f64::from(narrow)
+            },
+            narrow,
+        }
+    }
+}
+
+impl World {
+    /// Advances one entity to the present frame time (`update_object`, B3).
+    pub fn update_entity<P: Probe>(&mut self, id: EntityId, probe: &mut P) {
+        let Some(mut entity) = self.entities.take(id) else {
+            return;
+        };
+        entity.update_object(self, probe);
+        self.entities.put(entity);
+    }
+}
+
+impl Entity {
+    /// Advances the object to the present frame time (`update_object`, B3).
+    pub fn update_object<P: Probe>(&mut self, world: &mut World, probe: &mut P) {
+        if self.body.parent.is_some()
+            || self.body.cell.is_none()
+            || self.body.state.contains(PhysicsState::FROZEN)
+        {
+            self.kin.transient.remove(TransientState::ACTIVE);
+            return;
+        }
+        let now = world.clock.now;
+        if world.profile.tiny_gap_dropped && now - self.kin.update_time < f64::from(EPSILON) {
+            self.kin.update_time = now;
+            return;
+        }
+        self.cull_by_distance(world);
+        if self.position_manager.as_ref().is_some_and(|m| m.is_broken()) {
+            return;
+        }
+        world.clock.sim_time = self.kin.update_time;
+        let gap = now - self.kin.update_time;
+        if gap <= world.profile.min_quantum {
+            return;
+        }
+        if gap > HUGE_QUANTUM {
+            self.kin.update_time = now;
+            return;
+        }
+        self.run_quanta(gap, world, probe);
+        self.kin.update_time = match world.profile.remainder {
+            Remainder::Kept => world.clock.sim_time,
+            Remainder::Dropped => now,
+        };
+    }
+
+    fn run_quanta<P: Probe>(&mut self, mut gap: f64, world: &mut World, probe: &mut P) {
+        let (longest, shortest) = (world.profile.max_quantum, world.profile.min_quantum);
+        while gap > longest {
+            world.clock.sim_time += longest;
+            self.run_quantum(longest, world, probe);
+            gap -= longest;
+        }
+        if gap > shortest {
+            world.clock.sim_time += gap;
+            self.run_quantum(gap, world, probe);
+        }
+    }
+
+    /// Objects far from the local player rest, near ones wake up (B3 step 2; O-52).
+    fn cull_by_distance(&mut self, world: &World) {
+        let player = match world.local_player {
+            Some(player) if world.profile.distance_culling => player,
+            _ => return,
+        };
+        let own = &self.body.position;
+        self.player_vector = if player == self.id {
+            Vec3::ZERO
+        } else {
+            world
+                .entity(player)
+                .map_or(Vec3::ZERO, |p| p.body.position.offset_to(own))
+        };
+        self.player_distance = self.player_vector.length();
+        if self.player_distance > CULL_DISTANCE && world.culling_enabled {
+            self.kin.transient.remove(TransientState::ACTIVE);
+        } else {
+            self.set_active(true, world);
+        }
+    }
+
+    /// One quantum (`UpdateObjectInternal`, B4).
+    fn run_quantum<P: Probe>(&mut self, seconds: f64, world: &mut World, probe: &mut P) {
+        if !self.kin.transient.contains(TransientState::ACTIVE) || self.body.cell.is_none() {
+            return;
+        }
+        let quantum = Quantum::new(seconds, &world.profile);
+        if self.kin.transient.contains(TransientState::CHECK_ETHEREAL) {
+            self.set_ethereal(false, world);
+        }
+        self.kin.jumped_this_frame = false;
+        let wanted = self.update_position(quantum, world, probe);
+        let Some(outcome) = self.move_to_wanted(wanted, quantum.narrow, world, probe) else {
+            return;
+        };
+        self.motion_stage(quantum, world, probe);
+        self.steps.push(Step {
+            dt: quantum.narrow,
+            outcome,
+        });
+    }
+
+    /// Root motion, managers, integration and hooks (`UpdatePositionInternal`, B5): the frame the object wants to have.
+    pub(crate) fn update_position<P: Probe>(
+        &mut self,
+        quantum: Quantum,
+        world: &mut World,
+        probe: &mut P,
+    ) -> Frame {
+        let hidden = self.body.state.contains(PhysicsState::HIDDEN);
+        let mut offset = Frame::IDENTITY;
+        if !hidden {
+            observe(self, world, probe, TickStage::Animation, quantum.narrow, StageData::Offset(&offset), Side::Before);
+            self.animate(&mut offset, quantum.narrow, &world.profile);
+            observe(self, world, probe, TickStage::Animation, quantum.narrow, StageData::Offset(&offset), Side::After);
+        }
+        if self.position_manager.is_some() {
+            observe(self, world, probe, TickStage::Adjust, quantum.narrow, StageData::Offset(&offset), Side::Before);
+            self.adjust_offset(&mut offset, quantum.wide, world);
+            observe(self, world, probe, TickStage::Adjust, quantum.narrow, StageData::Offset(&offset), Side::After);
+        }
+        let mut frame = self.body.position.frame.combine(&offset, &world.profile);
+        if !hidden {
+            let data = StageData::Integrate { offset: &offset, frame: &frame };
+            observe(self, world, probe, TickStage::Integrate, quantum.narrow, data, Side::Before);
+            self.kin.update_physics(
+                &mut frame,
+                quantum.narrow,
+                self.body.state,
+                self.movement.is_some(),
+                &world.profile,
+            );
+            let data = StageData::Integrate { offset: &offset, frame: &frame };
+            observe(self, world, probe, TickStage::Integrate, quantum.narrow, data, Side::After);
+        }
+        if self.has_hooks() {
+            observe(self, world, probe, TickStage::Hooks, quantum.narrow, StageData::None, Side::Before);
+            self.process_hooks(world);
+            observe(self, world, probe, TickStage::Hooks, quantum.narrow, StageData::None, Side::After);
+        }
+        frame
+    }
+
+    /// Advances the animation; its root motion counts on walkable ground only (B5 step 2).
+    pub(crate) fn animate(&mut self, offset: &mut Frame, quantum: f32, profile: &Profile) {
+        if let Some(parts) = &mut self.body.part_array
+            && let Err(error) = parts.update(f64::from(quantum), Some(offset), profile)
+        {
+            tracing::warn!(guid = self.body.guid, %error, "animation stopped");
+        }
+        // A multiplication: root motion that is not a number stays one.
+        offset.origin *= if self.kin.transient.contains(TransientState::ON_WALKABLE) {
+            self.body.scale
+        } else {
+            0.0
+        };
+    }
+
+    /// Moves to the wanted frame as far as the world lets it (B4 steps 6 and 7). `None`: the rest of the quantum does not run.
+    fn move_to_wanted<P: Probe>(
+        &mut self,
+        mut frame: Frame,
+        quantum: f32,
+        world: &mut World,
+        probe: &mut P,
+    ) -> Option<Outcome> {
+        let has_spheres = self
+            .body
+            .part_array
+            .as_ref()
+            .is_some_and(|p| !p.spheres().is_empty());
+        let old = self.body.position.frame;
+        if !has_spheres {
+            self.stay(frame, CommitKind::NoSpheres, quantum, world, probe);
+            return Some(Outcome::None);
+        }
+        if frame.is_vector_equal(&old, &world.profile) {
+            self.stay(frame, CommitKind::Still, quantum, world, probe);
+            return Some(Outcome::None);
+        }
+        if world.profile.block_limit && leaves_block(old.origin, frame.origin) {
+            return None;
+        }
+        self.turn_along_path(&mut frame, &old, &world.profile);
+        let goal = Position {
+            cell: self.body.position.cell,
+            frame,
+        };
+        let transit = self.transition(&goal, quantum, world, probe);
+        let Some(transit) = transit else {
+            self.stay(frame, CommitKind::Failed, quantum, world, probe);
+            return Some(Outcome::Failed);
+        };
+        let outcome = if transit.result.cell.is_none() && world.profile.no_cell_fails {
+            self.stay(frame, CommitKind::Failed, quantum, world, probe);
+            Outcome::Failed
+        } else {
+            self.commit_transit(&transit.result, &frame, quantum, world, probe);
+            outcome_of(transit.result.outcome)
+        };
+        world.slots.recycle(transit);
+        Some(outcome)
+    }
+
+    /// Heading along the path (missiles) or along the velocity (sleds) (B4 step 6b).
+    fn turn_along_path(&self, frame: &mut Frame, old: &Frame, profile: &Profile) {
+        let velocity = self.kin.velocity;
+        if self.body.state.contains(PhysicsState::ALIGN_PATH) {
+            let direction = vector::normalize(frame.origin - old.origin, profile);
+            frame.set_vector_heading(direction, profile);
+        } else if self.body.state.contains(PhysicsState::SLEDDING) {
+            if profile.sledding_full_vector {
+                if velocity != Vec3::ZERO {
+                    frame.set_vector_heading(vector::normalize(velocity, profile), profile);
+                }
+            } else if !vector::is_zero(velocity) {
+                frame.set_heading(heading_of_position_offset(velocity, profile), profile);
+            }
+        }
+    }
+
+    /// Commits the result of a transition (B4 step 6b).
+    fn commit_transit<P: Probe>(
+        &mut self,
+        result: &TransitionResult,
+        wanted: &Frame,
+        quantum: f32,
+        world: &mut World,
+        probe: &mut P,
+    ) {
+        let data = StageData::Commit { kind: CommitKind::Transition, frame: wanted };
+        observe(self, world, probe, TickStage::Commit, quantum, data, Side::Before);
+        let moved = self.body.position.offset_to(&result.position);
+        self.kin.cached_velocity = Vec3::new(moved.x / quantum, moved.y / quantum, moved.z / quantum);
+        self.set_position_internal(result, world);
+        observe(self, world, probe, TickStage::Commit, quantum, data, Side::After);
+    }
+
+    /// Keeps the origin and takes the rotation.
+    fn stay<P: Probe>(
+        &mut self,
+        wanted: Frame,
+        kind: CommitKind,
+        quantum: f32,
+        world: &mut World,
+        probe: &mut P,
+    ) {
+        let data = StageData::Commit { kind, frame: &wanted };
+        observe(self, world, probe, TickStage::Commit, quantum, data, Side::Before);
+        let mut frame = wanted;
+        // Profile `ace` keeps the tiny displacement of an object that "has not moved" (O-05).
+        let keeps_displacement =
+            kind == CommitKind::Still && world.profile.unmoved == Unmoved::Inclusive;
+        if !keeps_displacement {
+            frame.origin = self.body.position.frame.origin;
+        }
+        let rests = kind == CommitKind::NoSpheres
+            && self.movement.is_none()
+            && self.kin.transient.contains(TransientState::ON_WALKABLE);
+        if rests {
+            self.kin.transient.remove(TransientState::ACTIVE);
+        }
+        if kind == CommitKind::Failed {
+            self.set_initial_frame(frame, world);
+        } else {
+            self.set_frame(frame, world);
+        }
+        self.kin.cached_velocity = Vec3::ZERO;
+        observe(self, world, probe, TickStage::Commit, quantum, data, Side::After);
+    }
+
+    /// Targets, move-to, completed motions, position managers (B4 steps 9 to 12).
+    fn motion_stage<P: Probe>(&mut self, quantum: Quantum, world: &mut World, probe: &mut P) {
+        let has_motion_table = self
+            .body
+            .part_array
+            .as_ref()
+            .is_some_and(|p| p.motion_table.is_some());
+        let runs = self.movement.is_some()
+            || has_motion_table
+            || self.target_manager.is_some()
+            || self.position_manager.is_some();
+        if !runs {
+            return;
+        }
+        observe(self, world, probe, TickStage::Motion, quantum.narrow, StageData::None, Side::Before);
+        self.run_managers(world);
+        observe(self, world, probe, TickStage::Motion, quantum.narrow, StageData::None, Side::After);
+    }
+
+    /// The managers of one quantum, in the client's order.
+    pub(crate) fn run_managers(&mut self, world: &mut World) {
+        if self.target_manager.is_some() {
+            self.handle_targetting(world);
+        }
+        if self.movement.is_some() {
+            self.movement_use_time(world);
+        }
+        self.check_for_completed_motions(world);
+        if self.position_manager.is_some() {
+            self.position_manager_use_time(world);
+        }
+    }
+}
+
+fn leaves_block(from: Vec3, to: Vec3) -> bool {
+    let moved = (to - from).abs();
+    moved.x > BLOCK_LENGTH || moved.y > BLOCK_LENGTH
+}
+
+/// Which side of a stage is shown to a probe.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Side {
+    Before,
+    After,
+}
+
+#[inline(always)]
+pub(crate) fn observe<P: Probe>(
+    entity: &Entity,
+    world: &World,
+    probe: &mut P,
+    stage: TickStage,
+    quantum: f32,
+    data: StageData<'_>,
+    side: Side,
+) {
+    let view = StageView {
+        stage,
+        quantum,
+        entity,
+        world,
+        data,
+    };
+    match side {
+        Side::Before => probe.before(view),
+        Side::After => probe.after(view),
+    }
+}
+
+fn outcome_of(outcome: transition::Outcome) -> Outcome {
+    match outcome {
+        transition::Outcome::Step(TransitionState::Ok) => Outcome::Ok,
+        transition::Outcome::Step(TransitionState::Collided) => Outcome::Collided,
+        transition::Outcome::Step(TransitionState::Adjusted) => Outcome::Adjusted,
+        transition::Outcome::Step(TransitionState::Slid) => Outcome::Slid,
+        transition::Outcome::Failed => Outcome::Failed,
+        transition::Outcome::None | transition::Outcome::Step(TransitionState::Invalid) => {
+            Outcome::None
+        }
+    }
+}
