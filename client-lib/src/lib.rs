@@ -10,6 +10,7 @@ pub mod entity;
 pub mod frame;
 pub mod math;
 pub mod motion;
+pub mod net;
 pub mod physics;
 pub mod profile;
 pub mod world;
