@@ -769,6 +769,8 @@ profile! {
     zero_substeps_reset: bool = [true, false, true] "T-15";
     /// A transition has at most 1000 sub-steps.
     substep_limit: bool = [false, true, false] "T-16";
+    /// A movement from or to a place that is not a number is refused; otherwise it is tried, and comparisons decide.
+    nan_goal_refused: bool = [true, true, false] "05:15";
     /// An object moves at most one block per quantum.
     block_limit: bool = [false, false, false] "O-08 T-16";
     /// Placement rings are f64 with an f32 π and `o² < ε²`, instead of f32 with an f64 π and `|o| < ε`.

@@ -17,7 +17,11 @@ pub trait Simulator: Sync {
     ///
     /// # Errors
     /// When the world cannot be loaded or the scene cannot be set up.
-    fn start(&self, scene: &Scene, profile: &Profile) -> Result<Box<dyn Simulation>, SimulationError>;
+    fn start(
+        &self,
+        scene: &Scene,
+        profile: &Profile,
+    ) -> Result<Box<dyn Simulation>, SimulationError>;
 }
 
 /// A running scene.
@@ -47,7 +51,11 @@ pub trait Simulation {
     ///
     /// # Errors
     /// When the record cannot be understood.
-    fn run_stage(&mut self, records: &[Value], index: usize) -> Result<Option<Value>, SimulationError>;
+    fn run_stage(
+        &mut self,
+        records: &[Value],
+        index: usize,
+    ) -> Result<Option<Value>, SimulationError>;
 }
 
 /// Why a simulation cannot start or go on.

@@ -18,6 +18,8 @@ mod env_cell;
 mod environment;
 mod error;
 mod frame;
+#[doc(hidden)]
+pub mod fuzzing;
 mod gfx_obj;
 mod hook;
 mod iteration;
@@ -25,6 +27,7 @@ mod keyed;
 mod kind;
 mod landblock;
 mod landblock_info;
+pub mod lint;
 mod motion_data;
 mod motion_table;
 mod palette;

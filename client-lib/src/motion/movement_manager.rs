@@ -121,7 +121,7 @@ impl Entity {
     }
 
     /// `MovementManager::EnterDefaultState` (10.3; `D8`).
-    pub(crate) fn movement_enter_default_state(&mut self, world: &mut World) {
+    pub fn movement_enter_default_state(&mut self, world: &mut World) {
         let fresh = self.interp().is_none();
         self.ensure_interp();
         if fresh && world.profile.default_state == DefaultState::Twice {
@@ -302,13 +302,13 @@ impl Entity {
     }
 
     /// The object stands on walkable ground again (`MovementManager::HitGround`, 10.5).
-    pub(crate) fn movement_hit_ground(&mut self, world: &mut World) {
+    pub fn movement_hit_ground(&mut self, world: &mut World) {
         self.interp_hit_ground(world);
         self.move_to_hit_ground(world);
     }
 
     /// The object has left walkable ground (`MovementManager::LeaveGround`, 10.5).
-    pub(crate) fn movement_leave_ground(&mut self, world: &mut World) {
+    pub fn movement_leave_ground(&mut self, world: &mut World) {
         self.interp_leave_ground(world);
     }
 

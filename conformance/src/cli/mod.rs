@@ -4,10 +4,13 @@
 //! where, and what to do).
 
 mod import;
+mod run;
 mod vectors;
 
-use std::process::ExitCode;
+use std::{path::Path, process::ExitCode};
 
+use ac_golden_traces::corpus;
+use ac_replayer::client::ClientSimulator;
 use clap::{Parser, Subcommand, ValueEnum};
 
 /// Something differs.
@@ -28,6 +31,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Run scenes through the client library and compare every frame with what the oracles expect.
+    Run(run::Args),
     /// Make traces of scenes and the files that oracles wrote for them.
     Import(import::Args),
     /// Run vector files: calls of single primitives, compared bit for bit.
@@ -58,6 +63,7 @@ pub fn main() -> ExitCode {
         }
     };
     let outcome = match cli.command {
+        Command::Run(args) => run::run(&args, &simulator(args.worlds.as_deref())),
         Command::Import(args) => import::run(&args),
         Command::Vectors(args) => vectors::run(&args),
     };
@@ -65,4 +71,9 @@ pub fn main() -> ExitCode {
         eprintln!("{report:?}");
         ExitCode::from(COULD_NOT_RUN)
     })
+}
+
+/// The client library on the worlds of a folder; without one on the bundled worlds.
+fn simulator(worlds: Option<&Path>) -> ClientSimulator {
+    ClientSimulator::new(worlds.map_or_else(|| corpus::bundled().join("worlds"), Into::into))
 }

@@ -309,7 +309,11 @@ fn portal(dats: &DatSet, room: u32, index: usize) -> (Vec<DVec3>, PortalFlags) {
     (
         local
             .iter()
-            .map(|v| frame.local_to_global(v.as_vec3(), &Profile::default()).as_dvec3())
+            .map(|v| {
+                frame
+                    .local_to_global(v.as_vec3(), &Profile::default())
+                    .as_dvec3()
+            })
             .collect(),
         p.flags,
     )

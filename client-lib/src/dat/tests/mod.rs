@@ -1,6 +1,10 @@
 //! Tests of the dat layer as a whole.
 
+mod container;
 mod geometry;
+mod malformed;
+mod records;
+mod smoke;
 mod worked;
 mod worlds;
 

@@ -125,3 +125,13 @@ fn landblocks_are_found_by_any_cell_of_theirs() {
         .expect("there");
     assert!(environment.structure(room.structure).is_some());
 }
+
+#[test]
+fn worlds_have_no_lints_but_the_known_ones() {
+    for name in ["testbed", "testbed2"] {
+        let dats = DatSet::open(world(name), Strictness::Strict).expect("world");
+        let lints = super::super::lint::world(&dats).expect("readable");
+        let texts: Vec<String> = lints.iter().map(ToString::to_string).collect();
+        assert!(texts.is_empty(), "{name}: {texts:#?}");
+    }
+}

@@ -4,7 +4,7 @@
 //! verifies. Covered: account names and passwords or tickets of a LoginRequest, and the account name in the messages that carry it, also where it
 //! straddles two fragments.
 
-use super::fragment::{FRAGMENT_DATA, FRAGMENT_HEADER, Fragment, Fragments};
+use super::fragment::{FRAGMENT_DATA, FRAGMENT_HEADER, Fragments};
 use super::login::LoginLayout;
 use super::packet::{HEADER_LENGTH, Packet, PacketFlags, PacketHeader};
 
