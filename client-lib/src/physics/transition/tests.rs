@@ -442,6 +442,7 @@ mod exemptions {
         pk: false,
         pk_lite: false,
         impenetrable: false,
+        bypasses_restrictions: false,
         storage: false,
     };
 
