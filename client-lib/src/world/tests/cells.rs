@@ -147,13 +147,9 @@ fn statics_have_shadows_in_the_cells_they_touch() {
     assert_eq!(shadows(0), [0xA8B4_000A], "crate in the middle of a cell");
     assert_eq!(
         shadows(2),
-        [0xA8B4_000D, 0xA8B4_0005, 0xA8B4_000C, 0xA8B4_0004]
-            .into_iter()
-            .filter(|id| shadows(2).contains(id))
-            .collect::<Vec<_>>(),
-        "crate across an edge"
+        [0xA8B4_000D, 0xA8B4_0004, 0xA8B4_0005, 0xA8B4_000C],
+        "crate on a corner: its own cell, then columns from the west"
     );
-    assert!(shadows(2).len() >= 2);
     for &id in &block.statics {
         check_shadows(&world, ObjectRef::Static(id));
     }
