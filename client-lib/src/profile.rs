@@ -769,6 +769,8 @@ profile! {
     zero_substeps_reset: bool = [true, false, true] "T-15";
     /// A transition has at most 1000 sub-steps.
     substep_limit: bool = [false, true, false] "T-16";
+    /// A movement from or to a place that is not a number is refused; otherwise it is tried, and comparisons decide.
+    nan_goal_refused: bool = [true, false, false] "05:15";
     /// An object moves at most one block per quantum.
     block_limit: bool = [false, false, false] "O-08 T-16";
     /// Placement rings are f64 with an f32 π and `o² < ε²`, instead of f32 with an f64 π and `|o| < ε`.
@@ -852,7 +854,9 @@ profile! {
     /// Entering the default state.
     default_state: DefaultState = [DefaultState::Once, DefaultState::Once, DefaultState::Twice] "D8";
     /// Whoever creates an entity hands its weenie to a new movement manager a second time.
-    weenie_set_twice: bool = [false, false, true] "scene-format";
+    weenie_set_twice: bool = [false, false, true] "scene-format:weenie";
+    /// Whoever creates an entity writes its state word into the field instead of setting it.
+    initial_state_assigned: bool = [false, true, false] "scene-format:state";
     /// Posture that forbids a jump.
     jump_posture: JumpPosture = [JumpPosture::Fallen, JumpPosture::Falling, JumpPosture::Fallen] "D9";
     /// No weenie: speed cap and jump.

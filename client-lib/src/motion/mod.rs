@@ -21,6 +21,8 @@ mod heading;
 mod hold_key;
 mod inbound;
 mod interp;
+#[cfg(test)]
+mod interp_tests;
 mod interpreted_state;
 mod move_to;
 mod move_to_start;
@@ -33,14 +35,10 @@ mod slope;
 mod weenie;
 pub mod wire;
 #[cfg(test)]
-mod interp_tests;
-#[cfg(test)]
 mod wire_tests;
 
 pub use action::{Action, Actions};
-pub use command::{
-    ACTION, CHAT_EMOTE, Command, MAPPABLE, MODIFIER, STYLE, SUB_STATE, TOGGLE, UI,
-};
+pub use command::{ACTION, CHAT_EMOTE, Command, MAPPABLE, MODIFIER, STYLE, SUB_STATE, TOGGLE, UI};
 pub use command_interpreter::{
     AutonomyLevel, CommandEntry, CommandInterpreter, CommandList, InputOptions, Outgoing, Scene,
     SequenceStamps,

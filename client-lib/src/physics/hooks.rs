@@ -39,7 +39,12 @@ impl Entity {
 
     /// Whether a hook waits to be executed.
     pub fn has_hooks(&self) -> bool {
-        !self.hooks.is_empty() || self.body.part_array.as_ref().is_some_and(|p| !p.hooks.is_empty())
+        !self.hooks.is_empty()
+            || self
+                .body
+                .part_array
+                .as_ref()
+                .is_some_and(|p| !p.hooks.is_empty())
     }
 
     fn process_timed_hooks(&mut self, world: &World) {

@@ -57,10 +57,9 @@ impl Kinetics {
             if speed_squared - SMALL_VELOCITY_SQUARED < EPSILON {
                 self.velocity = Vec3::ZERO;
             }
-            frame.origin +=
-                self.acceleration * 0.5 * quantum * quantum + self.velocity * quantum;
-            self.velocity += self.acceleration * quantum;
+            frame.origin += self.acceleration * 0.5 * quantum * quantum + self.velocity * quantum;
         }
+        self.velocity += self.acceleration * quantum;
         frame.grotate(self.omega * quantum, profile);
     }
 
@@ -108,8 +107,7 @@ impl Kinetics {
         let on_ground = self
             .transient
             .contains(TransientState::CONTACT | TransientState::ON_WALKABLE);
-        let sleds =
-            state.contains(PhysicsState::SLEDDING) && profile.sledding == Sledding::Steep;
+        let sleds = state.contains(PhysicsState::SLEDDING) && profile.sledding == Sledding::Steep;
         if on_ground && !sleds {
             self.acceleration = Vec3::ZERO;
             self.omega = Vec3::ZERO;

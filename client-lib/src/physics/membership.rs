@@ -167,7 +167,9 @@ impl Entity {
             self.remove_shadows_from_cells(world);
             self.add_shadows_to_cells(&CellArray::default(), world);
         }
-        self.for_each_child(world, |child, world, _| child.recalc_at_depth(world, depth + 1));
+        self.for_each_child(world, |child, world, _| {
+            child.recalc_at_depth(world, depth + 1)
+        });
     }
 
     /// Whether the object has a cell and all its shadows are in lists.

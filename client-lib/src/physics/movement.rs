@@ -160,12 +160,8 @@ impl Entity {
 
     /// Takes a velocity, m/s in world axes (`set_velocity`).
     pub fn set_velocity(&mut self, velocity: Vec3, world: &World) {
-        self.kin.set_velocity(
-            velocity,
-            self.body.state,
-            world.clock.now,
-            &world.profile,
-        );
+        self.kin
+            .set_velocity(velocity, self.body.state, world.clock.now, &world.profile);
     }
 
     /// Takes a velocity in the object's own axes, m/s (`set_local_velocity`).

@@ -5,8 +5,6 @@
 //!
 //! Source: `spec/02-terrain.md`, `spec/03-cells.md`.
 
-mod random;
-mod scratch;
 mod adjust;
 mod cell;
 mod cell_array;
@@ -15,8 +13,10 @@ mod cell_list;
 mod dat_source;
 pub mod landscape;
 mod loading;
+mod random;
 mod release;
 mod resources;
+mod scratch;
 mod shadows;
 mod source;
 mod statics;
@@ -28,14 +28,14 @@ pub mod window;
 )]
 mod world;
 
-pub use random::Random;
-pub use scratch::Scratch;
 pub use cell::{
     BuildingPortal, CellBase, CellPortal, CellRef, EnvCell, LandCell, LandCellRef, PortalTarget,
 };
 pub use cell_list::{CellListOutcome, SpheresAt};
 pub use landscape::{Demand, LandBlock, Landscape, Missing};
+pub use random::Random;
 pub use resources::{LoadError, Resources};
+pub use scratch::Scratch;
 pub use source::{Lookup, MemorySource, WorldSource};
 pub use statics::{StaticKind, StaticObject};
 pub use world::{CellHandle, Clock, World};

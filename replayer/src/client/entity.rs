@@ -4,6 +4,7 @@ use ac_client::entity::{Child, Weenie};
 use ac_client::math::{CellId, Frame, Position, Quat, Vec3};
 use ac_client::physics::attachment::Attachment;
 use ac_client::physics::body::{EntityId, WeenieFlags};
+use ac_client::physics::state::PhysicsState;
 use ac_client::world::World;
 use ac_golden_traces::scene::{EntityKind, EntitySpec, PositionSpec};
 
@@ -51,7 +52,11 @@ pub(super) fn create(
                 entity.movement_weenie_changed(world);
             }
         }
-        entity.set_state(spec.state, world);
+        if world.profile.initial_state_assigned {
+            entity.body.state = PhysicsState::from_bits_retain(spec.state);
+        } else {
+            entity.set_state(spec.state, world);
+        }
         entity.set_scale_static(spec.scale);
         entity.kin.elasticity = spec.elasticity;
         entity.kin.friction = spec.friction;

@@ -98,7 +98,10 @@ fn create(
     notes: &mut Vec<String>,
     world: &mut World,
 ) {
-    let parent = spec.parent.and_then(|guid| objects.get(&guid)).map(|o| o.id);
+    let parent = spec
+        .parent
+        .and_then(|guid| objects.get(&guid))
+        .map(|o| o.id);
     let (id, note) = entity::create(spec, parent, world);
     if let Some(id) = id {
         let object = SceneObject {

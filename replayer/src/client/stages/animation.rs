@@ -81,8 +81,8 @@ pub(super) fn run(run: &mut SceneRun, input: &Input) -> Result<Value, Simulation
             &world.profile,
         )
         .map_err(|error| bad(error.to_string()))?;
-    let walks = TransientState::from_bits_retain(input.transient)
-        .contains(TransientState::ON_WALKABLE);
+    let walks =
+        TransientState::from_bits_retain(input.transient).contains(TransientState::ON_WALKABLE);
     offset.origin *= if walks { input.scale } else { 0.0 };
     super::write(&Output {
         offset: frame_spec(&offset),

@@ -66,10 +66,7 @@ fn write<T: serde::Serialize>(out: &T) -> Result<Value, SimulationError> {
 /// How the scene describes an entity in a frame.
 fn spec_of(run: &SceneRun, frame: u32, guid: u32) -> Result<EntitySpec, SimulationError> {
     let scene = run.scene();
-    let created = scene
-        .script
-        .iter()
-        .take_while(|step| step.frame <= frame);
+    let created = scene.script.iter().take_while(|step| step.frame <= frame);
     let created = created.filter_map(|step| match &step.action {
         Action::Create { entity } => Some(entity),
         _ => None,
