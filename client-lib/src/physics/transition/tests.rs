@@ -442,7 +442,6 @@ mod exemptions {
         pk: false,
         pk_lite: false,
         impenetrable: false,
-        bypasses_restrictions: false,
         storage: false,
         bypasses_restrictions: false,
     };
