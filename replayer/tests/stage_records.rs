@@ -46,15 +46,32 @@ fn difference(expected: &Value, actual: &Value) -> Option<String> {
     // A refused transition leaves the mover where it is: only this much matters.
     let refused = e.get("valid") == Some(&Value::Bool(false));
     let matters = |key: &str| {
-        !refused || ["valid", "outcome", "velocity", "sub_steps", "sub_steps_planned"].contains(&key)
+        !refused
+            || [
+                "valid",
+                "outcome",
+                "velocity",
+                "sub_steps",
+                "sub_steps_planned",
+            ]
+            .contains(&key)
     };
     e.iter()
         .filter(|(key, _)| matters(key))
         .find(|&(key, value)| !a.get(key).is_some_and(|a| same(value, a)))
-        .map(|(key, value)| format!("{key}: expected {value}, got {:?}", a.get(key).map(Value::to_string)))
+        .map(|(key, value)| {
+            format!(
+                "{key}: expected {value}, got {:?}",
+                a.get(key).map(Value::to_string)
+            )
+        })
 }
 
-fn run_trace(path: &std::path::Path, simulator: &ClientSimulator, tally: &mut BTreeMap<String, Tally>) {
+fn run_trace(
+    path: &std::path::Path,
+    simulator: &ClientSimulator,
+    tally: &mut BTreeMap<String, Tally>,
+) {
     let mut reader = TraceReader::open(path).unwrap();
     reader.select(|kind| matches!(kind, ChannelKind::Stages(_)));
     let scene = reader.scene().clone();
@@ -86,7 +103,11 @@ fn run_trace(path: &std::path::Path, simulator: &ClientSimulator, tally: &mut BT
                 Some(text) => {
                     let place = format!(
                         "{} frame {} {} quantum {} ({}): {text}",
-                        scene.name, record["frame"], record["guid"], record["quantum"], record["out"]["outcome"]
+                        scene.name,
+                        record["frame"],
+                        record["guid"],
+                        record["quantum"],
+                        record["out"]["outcome"]
                     );
                     println!("{place}");
                     entry.first.get_or_insert(place);

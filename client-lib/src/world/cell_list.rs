@@ -37,13 +37,15 @@ pub struct SpheresAt<'a> {
     pub spheres: &'a [Sphere],
     /// The list is a transition's.
     pub is_path: bool,
+    /// The cell that contains the first centre is wanted.
+    pub want_current: bool,
 }
 
 /// What a cell list answers beside the list.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct CellListOutcome {
-    /// The cell that contains the first sphere's centre; `None` inside if no cell does, `None` outside if it was not looked for: there are no
-    /// spheres, or the start cell is not there.
+    /// The cell that contains the first sphere's centre; `None` inside if no cell does, `None` outside if it was not looked for: it was not
+    /// wanted, there are no spheres, or the start cell is not there.
     pub current: Option<Option<CellHandle>>,
     /// Some touched cell is indoor.
     pub hits_interior_cell: bool,
@@ -112,6 +114,7 @@ impl Landscape {
             position: &body.position,
             spheres: &spheres,
             is_path: false,
+            want_current: false,
         };
         self.find_cell_list(at, array, profile).missing
     }
@@ -203,6 +206,7 @@ impl Transition<'_> {
             position: &self.path.check_pos,
             spheres: &self.path.global_sphere[..count],
             is_path: true,
+            want_current: current.is_some(),
         };
         let world = self.world;
         let outcome = world
@@ -268,7 +272,8 @@ impl Builder<'_> {
             }
             k += 1;
         }
-        if !self.find_current(at) {
+        // An indoor current cell ends everything; without looking for one the list is always filtered.
+        if !(at.want_current && self.find_current(at)) {
             self.filter_unseen(start, start_cell, at.is_path);
         }
     }

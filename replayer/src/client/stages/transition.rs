@@ -277,11 +277,7 @@ impl Output {
 }
 
 /// Puts the other entities, and nobody else, where the record says.
-fn place_others(
-    run: &mut SceneRun,
-    frame: u32,
-    others: &[Other],
-) -> Result<(), SimulationError> {
+fn place_others(run: &mut SceneRun, frame: u32, others: &[Other]) -> Result<(), SimulationError> {
     clear_shadows(&mut run.world);
     let mut shadows = Vec::new();
     for other in others {
