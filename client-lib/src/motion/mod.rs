@@ -11,6 +11,7 @@
 
 mod action;
 mod command;
+mod command_interpreter;
 mod command_table;
 pub mod constants;
 mod error;
@@ -18,6 +19,7 @@ pub mod formulas;
 mod ground;
 mod heading;
 mod hold_key;
+mod inbound;
 mod interp;
 mod interpreted_state;
 mod move_to;
@@ -39,9 +41,14 @@ pub use action::{Action, Actions};
 pub use command::{
     ACTION, CHAT_EMOTE, Command, MAPPABLE, MODIFIER, STYLE, SUB_STATE, TOGGLE, UI,
 };
+pub use command_interpreter::{
+    AutonomyLevel, CommandEntry, CommandInterpreter, CommandList, InputOptions, Outgoing, Scene,
+    SequenceStamps,
+};
 pub use error::{MotionError, MotionResult, code_of};
 pub use heading::{heading_diff, heading_greater};
 pub use hold_key::HoldKey;
+pub use inbound::{MovementHeader, MovementUpdate, UpdateKind};
 pub use interp::{
     Motion, MotionInterp, Mover, PendingMotion, contact_allows_move, motion_allows_jump,
 };

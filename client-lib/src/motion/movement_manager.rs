@@ -193,6 +193,19 @@ impl Entity {
         result
     }
 
+    /// A movement on behalf of the local input whose manager is made if missing: what the steps of a scene do (10.12).
+    ///
+    /// # Errors
+    /// As [`Entity::perform_movement`].
+    pub fn perform_autonomous_movement(
+        &mut self,
+        movement: &Movement,
+        world: &mut World,
+    ) -> MotionResult {
+        self.kin.last_move_was_autonomous = true;
+        self.perform_movement(movement, world)
+    }
+
     /// A raw motion on behalf of the local input (`DoMotion` wrapper, 10.11).
     ///
     /// # Errors

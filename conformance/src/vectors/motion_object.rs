@@ -1,5 +1,7 @@
 //! The object of the families `motioninterp` and `jump`: in the world, with the motion table of the file and a part array without parts.
 
+use std::sync::Arc;
+
 use ac_client::animation::PartArray;
 use ac_client::entity::{Entity, Weenie};
 use ac_client::math::{Frame, Vec3};
@@ -31,8 +33,8 @@ pub struct Object {
 impl Object {
     /// The object of a vector's arguments; `None` if they are malformed. It has no movement manager yet.
     pub fn new(ctx: &VectorContext<'_>, arguments: &Value) -> Option<Self> {
-        let mut world = World::new(ctx.profile.clone(), NOW);
-        world.resources_.0 = Box::new(Tables::read(ctx)?);
+        let source = Arc::new(Tables::read(ctx)?.into_source());
+        let mut world = World::with_source(ctx.profile.clone(), NOW, source);
         let mut entity = world.entities.create(0x5000_0001, NOW);
         entity.weenie = Some(weenie(arguments)?);
         entity.body.weenie.present = true;
