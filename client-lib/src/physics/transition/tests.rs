@@ -443,7 +443,6 @@ mod exemptions {
         pk_lite: false,
         impenetrable: false,
         storage: false,
-        bypasses_restrictions: false,
     };
 
     fn info(of: &Body, profile: &Profile) -> ObjectInfo {
