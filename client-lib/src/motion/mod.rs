@@ -11,6 +11,7 @@
 
 mod action;
 mod command;
+mod command_interpreter;
 mod command_table;
 pub mod constants;
 mod error;
@@ -39,6 +40,10 @@ mod wire_tests;
 pub use action::{Action, Actions};
 pub use command::{
     ACTION, CHAT_EMOTE, Command, MAPPABLE, MODIFIER, STYLE, SUB_STATE, TOGGLE, UI,
+};
+pub use command_interpreter::{
+    AutonomyLevel, CommandEntry, CommandInterpreter, CommandList, InputOptions, Outgoing, Scene,
+    SequenceStamps,
 };
 pub use error::{MotionError, MotionResult, code_of};
 pub use heading::{heading_diff, heading_greater};
