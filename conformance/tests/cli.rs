@@ -6,7 +6,11 @@ use std::{
 };
 
 fn conform(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_ac-conform")).args(arguments).env("NO_COLOR", "1").output().expect("the program starts")
+    Command::new(env!("CARGO_BIN_EXE_ac-conform"))
+        .args(arguments)
+        .env("NO_COLOR", "1")
+        .output()
+        .expect("the program starts")
 }
 
 fn code(output: &Output) -> i32 {
@@ -24,10 +28,18 @@ fn help_is_no_error_and_nonsense_is() {
 fn what_cannot_run_is_two_and_says_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().to_str().unwrap();
-    for arguments in [&["run", "/no/such/place"][..], &["run", path], &["run", path, "--profile", "nobody"], &["vectors", path]] {
+    for arguments in [
+        &["run", "/no/such/place"][..],
+        &["run", path],
+        &["run", path, "--profile", "nobody"],
+        &["vectors", path],
+    ] {
         let output = conform(arguments);
         assert_eq!(code(&output), 2, "{arguments:?}");
-        assert!(output.stdout.is_empty(), "{arguments:?} wrote to standard output");
+        assert!(
+            output.stdout.is_empty(),
+            "{arguments:?} wrote to standard output"
+        );
         assert!(!output.stderr.is_empty(), "{arguments:?} said nothing");
     }
 }
@@ -39,7 +51,8 @@ fn a_damaged_trace_is_two_with_json_on_standard_output() {
     fs::write(&path, b"this is no trace at all").unwrap();
     let output = conform(&["run", path.to_str().unwrap(), "--format", "json"]);
     assert_eq!(code(&output), 2);
-    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON document");
+    let json: serde_json::Value =
+        serde_json::from_slice(&output.stdout).expect("one JSON document");
     assert_eq!(json["totals"]["results"], 0);
     assert!(String::from_utf8_lossy(&output.stderr).contains("bad.mcap: not a readable trace"));
 }
@@ -59,6 +72,10 @@ fn a_vector_that_is_not_met_is_one() {
     fs::write(&path, vector(2.5)).unwrap();
     let output = conform(&["vectors", path.to_str().unwrap(), "--format", "json"]);
     assert_eq!(code(&output), 1);
-    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON document");
-    assert_eq!(json["results"][0]["first_mismatch"]["field"], "out.point[0]");
+    let json: serde_json::Value =
+        serde_json::from_slice(&output.stdout).expect("one JSON document");
+    assert_eq!(
+        json["results"][0]["first_mismatch"]["field"],
+        "out.point[0]"
+    );
 }
