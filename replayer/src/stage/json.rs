@@ -1,6 +1,6 @@
 //! Common shapes of stage records (`spec/stage-format.md`, "File").
 
-use ac_client::math::{CellId, Plane, Position, Quat, Sphere, Vec3};
+use ac_client::math::{CellId, Frame, Plane, Position, Quat, Sphere, Vec3};
 use ac_client::physics::transition::ContactPlane;
 use ac_golden_traces::number;
 use serde::{Deserialize, Serialize};
@@ -21,6 +21,13 @@ pub struct Rotation(#[serde(with = "number::floats")] pub [f32; 4]);
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 pub struct PositionJson {
     pub cell: Hex,
+    pub origin: Vector,
+    pub rotation: Rotation,
+}
+
+/// A frame.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+pub struct FrameJson {
     pub origin: Vector,
     pub rotation: Rotation,
 }
@@ -75,6 +82,22 @@ impl From<&Position> for PositionJson {
         Self {
             cell: Hex(p.cell.0),
             origin: p.frame.origin.into(),
+            rotation: Rotation([q.w, q.x, q.y, q.z]),
+        }
+    }
+}
+
+impl From<&FrameJson> for Frame {
+    fn from(f: &FrameJson) -> Self {
+        Self::new(f.origin.into(), f.rotation.into())
+    }
+}
+
+impl From<&Frame> for FrameJson {
+    fn from(f: &Frame) -> Self {
+        let q = f.rotation();
+        Self {
+            origin: f.origin.into(),
             rotation: Rotation([q.w, q.x, q.y, q.z]),
         }
     }
