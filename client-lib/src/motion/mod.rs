@@ -33,7 +33,13 @@ mod slope;
 mod weenie;
 pub mod wire;
 #[cfg(test)]
+mod fixtures;
+#[cfg(test)]
 mod interp_tests;
+#[cfg(test)]
+mod move_to_tests;
+#[cfg(test)]
+mod tests;
 #[cfg(test)]
 mod wire_tests;
 
