@@ -1,6 +1,9 @@
 //! How fast records are read, on one thread.
 
-#![allow(missing_docs, reason = "the macros of criterion make undocumented functions")]
+#![allow(
+    missing_docs,
+    reason = "the macros of criterion make undocumented functions"
+)]
 
 use std::{hint::black_box, path::Path};
 
@@ -14,10 +17,14 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 /// Reads all expectations of a trace; calls `each` with the records of each frame.
 fn read(bytes: &[u8], mut each: impl FnMut(&[FrameState])) {
-    let mut reader = TraceReader::new(bytes, Path::new("bench.mcap")).expect("a bundled trace is readable");
+    let mut reader =
+        TraceReader::new(bytes, Path::new("bench.mcap")).expect("a bundled trace is readable");
     reader.select(|kind| matches!(kind, ChannelKind::Expect(_)));
     let mut states = FrameStates::new();
-    while let Some(event) = reader.next_event(&mut states).expect("a bundled trace is readable") {
+    while let Some(event) = reader
+        .next_event(&mut states)
+        .expect("a bundled trace is readable")
+    {
         if let TraceEvent::States { .. } = event {
             each(&states);
         }
@@ -46,7 +53,9 @@ fn decode(criterion: &mut Criterion) {
         })
         .collect();
     let mut group = criterion.benchmark_group("decode");
-    group.throughput(Throughput::Elements(records.len() as u64)).sample_size(20);
+    group
+        .throughput(Throughput::Elements(records.len() as u64))
+        .sample_size(20);
     group.bench_function("records", |bencher| {
         let mut state = FrameState::default();
         bencher.iter(|| {

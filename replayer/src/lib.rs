@@ -8,6 +8,5 @@ pub mod client;
 pub mod dat_cmd;
 pub mod replay;
 pub mod simulation;
-pub mod stage;
 
 pub use simulation::{Simulation, SimulationError, Simulator};

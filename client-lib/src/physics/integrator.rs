@@ -59,8 +59,8 @@ impl Kinetics {
             }
             frame.origin +=
                 self.acceleration * 0.5 * quantum * quantum + self.velocity * quantum;
-            self.velocity += self.acceleration * quantum;
         }
+        self.velocity += self.acceleration * quantum;
         frame.grotate(self.omega * quantum, profile);
     }
 

@@ -23,8 +23,10 @@ const UNKNOWN: u32 = 0;
 const ABSENT: u32 = 1;
 /// Entries from here on are slots.
 const FIRST_SLOT: u32 = 2;
-/// Entry of a block's indoor list: the record cannot be read.
+/// Entry of a block's indoor list: there is no such cell, or its record cannot be read.
 const BROKEN: u32 = u32::MAX;
+/// Indoor cells that are noted as absent.
+const MAX_ABSENT_ROOMS: u32 = 1 << 16;
 /// Blocks of the largest possible id space, existing or not.
 const BLOCK_NUMBERS: usize = 1 << 16;
 
@@ -87,6 +89,7 @@ pub struct Landscape {
     free_env_cells: Vec<u32>,
     statics: Vec<Option<Box<StaticObject>>>,
     free_statics: Vec<u32>,
+    absent_rooms: u32,
     /// Static objects with a default animation, in order of creation.
     pub(super) animated_statics: Vec<StaticId>,
     /// Some shadow records may name cells of released blocks.
@@ -118,6 +121,7 @@ impl Landscape {
             free_env_cells: Vec::new(),
             statics: Vec::new(),
             free_statics: Vec::new(),
+            absent_rooms: 0,
             animated_statics: Vec::new(),
             has_unlinked: false,
         }
@@ -156,7 +160,8 @@ impl Landscape {
         match self.block_table[usize::from(id.block())] {
             ABSENT => None,
             UNKNOWN => {
-                if self.block_exists(id) {
+                // Also for blocks without a record: the loader notes that they are absent, and they are not asked for again.
+                if id.block_coord().is_some() {
                     missing.note(Demand {
                         cell: id,
                         without_statics: false,
@@ -188,12 +193,18 @@ impl Landscape {
                 Some(CellHandle(slot | INDOOR))
             }
             None => {
-                if id.low() <= 0xFFFD && self.source.has_cell_record(id.0) {
+                if id.low() <= 0xFFFD && self.may_exist(id) {
                     missing.note(demand);
                 }
                 None
             }
         }
+    }
+
+    /// Whether it is worth trying to load an indoor cell. Ids come from strangers too: only so many are noted as absent, the rest is asked for
+    /// every time.
+    fn may_exist(&self, id: CellId) -> bool {
+        self.absent_rooms < MAX_ABSENT_ROOMS || self.source.has_cell_record(id.0)
     }
 
     fn env_slot(&self, id: CellId) -> Option<u32> {
@@ -205,17 +216,12 @@ impl Landscape {
         Some(rooms[at].1)
     }
 
-    /// Whether the block of an id is on the map and has a record.
-    pub fn block_exists(&self, id: CellId) -> bool {
-        id.block_coord().is_some() && self.source.has_cell_record(id.with_low(0xFFFF).0)
-    }
-
     /// The cell of an id if it is loaded, with or without its static objects.
     pub fn loaded(&self, id: CellId) -> Option<CellHandle> {
         self.visible(id, true, &mut Missing::default())
     }
 
-    /// Whether looking the id up would load something.
+    /// Whether looking the id up would try to load something.
     pub fn is_missing(&self, id: CellId) -> bool {
         let mut missing = Missing::default();
         self.visible(id, false, &mut missing);
@@ -392,7 +398,10 @@ impl Landscape {
         cell: Option<EnvCell>,
     ) -> Option<CellHandle> {
         let slot = match cell {
-            None => BROKEN,
+            None => {
+                self.absent_rooms += 1;
+                BROKEN
+            }
             Some(cell) => match self.free_env_cells.pop() {
                 Some(slot) => {
                     self.env_cells[slot as usize] = Some(Box::new(cell));

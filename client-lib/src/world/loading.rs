@@ -77,7 +77,7 @@ impl World {
         }
     }
 
-    /// Loads what a transition found missing; `false` if it is there, or does not exist.
+    /// Loads what a transition found missing; `false` if it was not missing. What does not exist is not missing a second time.
     pub fn load_for_transition(&mut self, id: CellId) -> bool {
         let mut missing = Missing::default();
         self.land.visible(id, false, &mut missing);

@@ -39,3 +39,6 @@ pub use resources::{LoadError, Resources};
 pub use source::{Lookup, MemorySource, WorldSource};
 pub use statics::{StaticKind, StaticObject};
 pub use world::{CellHandle, Clock, World};
+
+#[cfg(test)]
+mod tests;

@@ -5,6 +5,7 @@
 
 mod import;
 mod run;
+mod status;
 mod vectors;
 
 use std::{path::Path, process::ExitCode};
@@ -35,6 +36,8 @@ enum Command {
     Run(run::Args),
     /// Make traces of scenes and the files that oracles wrote for them.
     Import(import::Args),
+    /// Measure everything that is bundled and write the status page.
+    Status(status::Args),
     /// Run vector files: calls of single primitives, compared bit for bit.
     Vectors(vectors::Args),
 }
@@ -65,6 +68,7 @@ pub fn main() -> ExitCode {
     let outcome = match cli.command {
         Command::Run(args) => run::run(&args, &simulator(args.worlds.as_deref())),
         Command::Import(args) => import::run(&args),
+        Command::Status(args) => status::run(&args, &simulator(None)),
         Command::Vectors(args) => vectors::run(&args),
     };
     outcome.unwrap_or_else(|report| {

@@ -41,6 +41,7 @@ fn shelf() -> Shelf {
     idle.push(pose(5.0), None);
     idle.push(pose(6.0), None);
     let shape = GfxShape {
+        id: SHAPE,
         drawing_sphere: Some(sphere),
         ..GfxShape::default()
     };
@@ -180,12 +181,14 @@ fn parts_are_replaced_one_by_one() {
     let profile = Profile::retail();
     let mut source = shelf();
     let mut array = PartArray::with_setup(SETUP, &mut source, &profile).unwrap();
-    source
-        .shapes
-        .push((0x0100_0002, Arc::new(GfxShape::default())));
+    let other = GfxShape {
+        id: 0x0100_0002,
+        ..GfxShape::default()
+    };
+    source.shapes.push((other.id, Arc::new(other)));
     assert!(array.set_parts([(1, 0x0100_0002)], &mut source));
     assert!(!array.set_parts([(0, 0x0100_0009), (9, SHAPE), (0, 0)], &mut source));
-    let ids: Vec<_> = array.existing_parts().map(|p| p.shape_id).collect();
+    let ids: Vec<_> = array.existing_parts().map(|p| p.shape.id).collect();
     assert_eq!(ids, [SHAPE, 0x0100_0002]);
 }
 

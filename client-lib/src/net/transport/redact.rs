@@ -378,7 +378,7 @@ mod tests {
                     redactor.redact(&mut bytes);
                     let packet = Packet::parse(&bytes).expect("still a packet");
                     assert_eq!(packet.verify(), Verified::Encrypted(0x1234_5678));
-                    shown.extend(packet.fragments().map(|f: Fragment<'_>| f.data.to_vec()));
+                    shown.extend(packet.fragments().map(|f| f.data.to_vec()));
                 }
                 let all = shown.concat();
                 assert!(

@@ -442,7 +442,9 @@ mod exemptions {
         pk: false,
         pk_lite: false,
         impenetrable: false,
+        bypasses_restrictions: false,
         storage: false,
+        bypasses_restrictions: false,
     };
 
     fn info(of: &Body, profile: &Profile) -> ObjectInfo {

@@ -7,6 +7,7 @@ mod adjust;
 mod animation;
 mod integrate;
 mod shapes;
+mod transition;
 
 use ac_client::entity::Entity;
 use ac_client::physics::body::EntityId;
@@ -39,9 +40,10 @@ pub(super) fn run(
         "integrate" => integrate::run(&read(input)?, &run.world.profile),
         "animation" => animation::run(run, &read(input)?)?,
         "adjust" => {
-            let spec = spec_of(run, &head)?;
+            let spec = spec_of(run, head.frame, head.guid)?;
             adjust::run(run, &spec, &read(input)?)?
         }
+        "transition" => transition::run(run, &head, &read(input)?)?,
         _ => return Ok(None),
     };
     Ok(Some(out))
@@ -61,23 +63,23 @@ fn write<T: serde::Serialize>(out: &T) -> Result<Value, SimulationError> {
     serde_json::to_value(out).map_err(|error| bad(error.to_string()))
 }
 
-/// How the scene describes the entity of a record.
-fn spec_of(run: &SceneRun, head: &Head) -> Result<EntitySpec, SimulationError> {
+/// How the scene describes an entity in a frame.
+fn spec_of(run: &SceneRun, frame: u32, guid: u32) -> Result<EntitySpec, SimulationError> {
     let scene = run.scene();
     let created = scene
         .script
         .iter()
-        .take_while(|step| step.frame <= head.frame);
+        .take_while(|step| step.frame <= frame);
     let created = created.filter_map(|step| match &step.action {
         Action::Create { entity } => Some(entity),
         _ => None,
     });
     created
-        .filter(|spec| spec.guid == head.guid)
+        .filter(|spec| spec.guid == guid)
         .last()
-        .or_else(|| scene.entities.iter().find(|spec| spec.guid == head.guid))
+        .or_else(|| scene.entities.iter().find(|spec| spec.guid == guid))
         .copied()
-        .ok_or_else(|| bad(format!("the scene has no entity {:#X}", head.guid)))
+        .ok_or_else(|| bad(format!("the scene has no entity {guid:#X}")))
 }
 
 /// Makes an entity outside the world and object table, lends it to `stage`, and ends its existence.
