@@ -57,6 +57,6 @@ mod tests {
             assert_eq!(value.to_bits(), bits);
         }
         assert_eq!(FLOOR_Z_F64 as f32, FLOOR_Z);
-        assert!((libm::cos(3437.746_770_784_939) - FLOOR_Z_F64).abs() < 1e-15);
+        assert!((libm::cos(3_437.746_770_784_939) - FLOOR_Z_F64).abs() < 1e-15);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Command, HoldKey, Movement, MotionInterp, MotionResult, MovementParameters};
+use super::{Command, HoldKey, MotionInterp, MotionResult, Movement, MovementParameters};
 use crate::animation::PartArray;
 use crate::animation::fixtures::{TABLE, TableParts, animation, motion, moving, table};
 use crate::dat::{MotionData, motion_key};

@@ -3,9 +3,7 @@
 //! Whether an event is to be carried out at all is decided before (`Entity::accept_movement`, which also sets the object's autonomous flag).
 
 use super::wire::{Reader, WireError};
-use super::{
-    Command, InterpretedMotionState, MovementParameters, code_of,
-};
+use super::{Command, InterpretedMotionState, MovementParameters, code_of};
 use crate::entity::Entity;
 use crate::math::{CellId, Position, Quat, Vec3};
 use crate::world::World;
@@ -222,7 +220,11 @@ mod tests {
         let mut reader = Reader::new(&message);
         let header = MovementHeader::unpack(&mut reader).unwrap();
         assert_eq!(
-            (header.movement_stamp, header.server_control_stamp, header.autonomous),
+            (
+                header.movement_stamp,
+                header.server_control_stamp,
+                header.autonomous
+            ),
             (7, 9, true)
         );
         let update = MovementUpdate::unpack(&mut reader).unwrap();
@@ -254,7 +256,10 @@ mod tests {
         else {
             panic!("not a move to a position: {update:?}");
         };
-        assert_eq!((origin.cell, origin.frame.origin.z), (CellId(0xA9B4_0019), 3.0));
+        assert_eq!(
+            (origin.cell, origin.frame.origin.z),
+            (CellId(0xA9B4_0019), 3.0)
+        );
         assert_eq!((read, run_rate), (params, 2.5));
         message[0] = 5;
         assert_eq!(

@@ -15,38 +15,36 @@ mod command_interpreter;
 mod command_table;
 pub mod constants;
 mod error;
+#[cfg(test)]
+mod fixtures;
 pub mod formulas;
 mod ground;
 mod heading;
 mod hold_key;
 mod inbound;
 mod interp;
+#[cfg(test)]
+mod interp_tests;
 mod interpreted_state;
 mod move_to;
 mod move_to_start;
+#[cfg(test)]
+mod move_to_tests;
 mod move_to_tick;
 mod movement_manager;
 mod params;
 mod raw_state;
 mod requests;
 mod slope;
-mod weenie;
-pub mod wire;
-#[cfg(test)]
-mod fixtures;
-#[cfg(test)]
-mod interp_tests;
-#[cfg(test)]
-mod move_to_tests;
 #[cfg(test)]
 mod tests;
+mod weenie;
+pub mod wire;
 #[cfg(test)]
 mod wire_tests;
 
 pub use action::{Action, Actions};
-pub use command::{
-    ACTION, CHAT_EMOTE, Command, MAPPABLE, MODIFIER, STYLE, SUB_STATE, TOGGLE, UI,
-};
+pub use command::{ACTION, CHAT_EMOTE, Command, MAPPABLE, MODIFIER, STYLE, SUB_STATE, TOGGLE, UI};
 pub use command_interpreter::{
     AutonomyLevel, CommandEntry, CommandInterpreter, CommandList, InputOptions, Outgoing, Scene,
     SequenceStamps,

@@ -211,7 +211,13 @@ mod tests {
         assert!(!m.check_progress(19.8, 11.1));
         assert_eq!(m.previous.time, 10.0);
         assert!(m.check_progress(19.0, 12.0));
-        assert_eq!(m.previous, DistanceSample { distance: 19.0, time: 12.0 });
+        assert_eq!(
+            m.previous,
+            DistanceSample {
+                distance: 19.0,
+                time: 12.0
+            }
+        );
         m.moving_away = true;
         assert!(!m.check_progress(18.0, 13.5));
     }

@@ -37,7 +37,8 @@ impl Rig {
             interpolated_position: *at,
             ..TargetInfo::default()
         };
-        self.entity.movement_handle_update_target(&info, &mut self.world);
+        self.entity
+            .movement_handle_update_target(&info, &mut self.world);
     }
 }
 
@@ -145,14 +146,21 @@ fn steering_turns_beyond_twenty_degrees() {
         assert_eq!(rig.move_to().aux_command, C::NONE);
         assert_eq!(rig.interp().interpreted.turn_command, C::NONE);
         let heading = rig.entity.heading(&rig.world).round();
-        let expected = if arrival == MoveToArrival::Snaps { 0.0 } else { 10.0 };
+        let expected = if arrival == MoveToArrival::Snaps {
+            0.0
+        } else {
+            10.0
+        };
         assert_eq!(heading, expected);
     }
 }
 
 #[test]
 fn the_final_heading_is_of_the_new_parameters() {
-    for (source, nodes) in [(MoveToHeading::NewParameters, 3), (MoveToHeading::OldParameters, 2)] {
+    for (source, nodes) in [
+        (MoveToHeading::NewParameters, 3),
+        (MoveToHeading::OldParameters, 2),
+    ] {
         let mut profile = Profile::retail();
         profile.move_to_heading = source;
         let mut rig = Rig::new(profile);
@@ -193,7 +201,11 @@ fn an_unknown_target_is_waited_for() {
         radius: 0.5,
         height: 1.0,
     };
-    rig.perform(Movement::MoveToObject(target, MovementParameters::default())).unwrap();
+    rig.perform(Movement::MoveToObject(
+        target,
+        MovementParameters::default(),
+    ))
+    .unwrap();
     rig.tick(100.1);
     assert!(rig.entity.is_moving_to() && rig.move_to().nodes.is_empty());
     rig.settle();
@@ -205,7 +217,11 @@ fn an_unknown_target_is_waited_for() {
     assert_eq!(rig.move_to().previous.distance, f32::MAX);
     rig.report(TargetStatus::ExitWorld, &place(0.0, 12.0));
     assert!(!rig.entity.is_moving_to());
-    rig.perform(Movement::MoveToObject(target, MovementParameters::default())).unwrap();
+    rig.perform(Movement::MoveToObject(
+        target,
+        MovementParameters::default(),
+    ))
+    .unwrap();
     rig.report(TargetStatus::TimedOut, &place(0.0, 12.0));
     assert!(!rig.entity.is_moving_to());
 }
@@ -218,7 +234,11 @@ fn landing_while_waiting_ends_the_activity() {
         top_level_id: TARGET,
         ..MoveTarget::default()
     };
-    rig.perform(Movement::MoveToObject(target, MovementParameters::default())).unwrap();
+    rig.perform(Movement::MoveToObject(
+        target,
+        MovementParameters::default(),
+    ))
+    .unwrap();
     rig.lift();
     rig.land();
     assert!(!rig.entity.is_moving_to());
@@ -249,7 +269,8 @@ fn moving_to_oneself_ends_silently() {
         top_level_id: 0x5000_0001,
         ..MoveTarget::default()
     };
-    rig.perform(Movement::MoveToObject(own, MovementParameters::default())).unwrap();
+    rig.perform(Movement::MoveToObject(own, MovementParameters::default()))
+        .unwrap();
     assert!(!rig.entity.is_moving_to());
     let Rig { world, entity } = &mut rig;
     assert!(!entity.move_to_object(TARGET, &MovementParameters::default(), world));

@@ -3,8 +3,8 @@
 //! Source: `spec/08-motion.md`, section 10, and `spec/06-physics-object.md`, E7.
 
 use super::{
-    Command, InterpretedMotionState, MotionError, MotionInterp, MotionResult, MoveToManager, Mover,
-    MovementParameters, RawMotionState,
+    Command, InterpretedMotionState, MotionError, MotionInterp, MotionResult, MoveToManager,
+    MovementParameters, Mover, RawMotionState,
 };
 use crate::entity::Entity;
 use crate::math::Position;

@@ -90,7 +90,8 @@ impl Entity {
         if interp.interpreted.style != Command::NON_COMBAT {
             combat_error(command)?;
         }
-        if command.is_action() && interp.interpreted.actions.len() >= super::constants::MAX_ACTIONS {
+        if command.is_action() && interp.interpreted.actions.len() >= super::constants::MAX_ACTIONS
+        {
             return Err(MotionError::TooManyActions);
         }
         self.interp_do_interpreted_motion(motion, &adjusted, world)?;
@@ -346,7 +347,12 @@ impl Entity {
         let sidestep = (state.sidestep_command, state.sidestep_speed);
         if interp.standing_longjump {
             self.repeat_motion(Command::READY, 1.0, params, world);
-            self.repeat_or_stop((Command::NONE, 1.0), Command::SIDE_STEP_RIGHT, params, world);
+            self.repeat_or_stop(
+                (Command::NONE, 1.0),
+                Command::SIDE_STEP_RIGHT,
+                params,
+                world,
+            );
         } else {
             self.repeat_motion(forward, speed, params, world);
             self.repeat_or_stop(sidestep, Command::SIDE_STEP_RIGHT, params, world);

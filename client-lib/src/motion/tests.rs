@@ -20,7 +20,9 @@ fn a_creature_starts_falling_unless_it_stands() {
     assert_eq!(air.interp().interpreted.forward_command, C::READY);
     let mut object = Rig::without_table(profile, TransientState::empty());
     object.entity.body.state.remove(PhysicsState::GRAVITY);
-    object.entity.set_motion_table(crate::animation::fixtures::TABLE, &mut object.world);
+    object
+        .entity
+        .set_motion_table(crate::animation::fixtures::TABLE, &mut object.world);
     assert_eq!(object.substate(), C::READY);
 }
 
@@ -39,7 +41,10 @@ fn the_hold_key_decides_which_motion_is_stopped() {
     assert_eq!(rig.interp().interpreted.forward_command, C::RUN_FORWARD);
     assert_eq!(rig.interp().interpreted.forward_speed, 2.0);
     assert_eq!(rig.interp().raw.forward.command, C::WALK_FORWARD);
-    assert_eq!(rig.release(C::WALK_FORWARD, K::None), Err(MotionError::NoMtableData));
+    assert_eq!(
+        rig.release(C::WALK_FORWARD, K::None),
+        Err(MotionError::NoMtableData)
+    );
     assert_eq!(rig.substate(), C::RUN_FORWARD);
     assert_eq!(rig.interp().raw.forward.command, C::WALK_FORWARD);
     assert_eq!(rig.release(C::WALK_FORWARD, K::Run), Ok(()));
@@ -122,7 +127,10 @@ fn without_a_table_nothing_is_animated_and_the_queue_stays() {
     let refused = entity.do_motion(C::WALK_FORWARD, &params, world);
     assert_eq!(refused, Err(MotionError::NoAnimationTable));
     assert!(entity.movement.is_none());
-    assert_eq!(rig.press(C::WALK_FORWARD, K::None), Err(MotionError::NoAnimationTable));
+    assert_eq!(
+        rig.press(C::WALK_FORWARD, K::None),
+        Err(MotionError::NoAnimationTable)
+    );
     assert_eq!(rig.interp().interpreted.forward_command, C::READY);
     assert!(rig.entity.motions_pending());
     rig.entity.body.part_array = None;
@@ -177,11 +185,17 @@ fn charging_while_moving_is_no_long_jump() {
     rig.entity.charge_jump(&rig.world).unwrap();
     assert!(!rig.interp().standing_longjump);
     rig.press(C::CROUCH, K::None).unwrap();
-    assert_eq!(rig.entity.charge_jump(&rig.world), Err(MotionError::CantJumpPosition));
+    assert_eq!(
+        rig.entity.charge_jump(&rig.world),
+        Err(MotionError::CantJumpPosition)
+    );
     if let Some(weenie) = &mut rig.entity.weenie {
         weenie.can_jump = false;
     }
-    assert_eq!(rig.entity.charge_jump(&rig.world), Err(MotionError::CantJumpLoad));
+    assert_eq!(
+        rig.entity.charge_jump(&rig.world),
+        Err(MotionError::CantJumpLoad)
+    );
 }
 
 #[test]
@@ -216,7 +230,10 @@ fn the_oldest_pending_motion_may_forbid_a_jump() {
     rig.press(C::CROUCH, K::None).unwrap();
     rig.press(C::WALK_FORWARD, K::None).unwrap();
     let allowed = |rig: &Rig| rig.entity.jump_is_allowed(1.0, &rig.world).map(|_| ());
-    assert_eq!(rig.interp().pending.front().map(|p| p.forbids_jump), Some(true));
+    assert_eq!(
+        rig.interp().pending.front().map(|p| p.forbids_jump),
+        Some(true)
+    );
     assert_eq!(allowed(&rig), Err(MotionError::CantJumpPosition));
     if let Some(interp) = rig.entity.interp_mut() {
         interp.pending.truncate(1);
@@ -278,7 +295,11 @@ fn stamps_half_a_circle_apart() {
         (0, 0x7FFF, true),
         (0x8001, 0, true),
     ] {
-        assert_eq!(ground::stamp_is_newer(stamp, than), newer, "{stamp:#x} {than:#x}");
+        assert_eq!(
+            ground::stamp_is_newer(stamp, than),
+            newer,
+            "{stamp:#x} {than:#x}"
+        );
     }
 }
 
@@ -323,8 +344,19 @@ enum Op {
 
 fn motions() -> impl Strategy<Value = Command> {
     prop::sample::select(vec![
-        C::READY, C::WALK_FORWARD, C::WALK_BACKWARDS, C::TURN_LEFT, C::TURN_RIGHT, C::SIDE_STEP_LEFT,
-        C::SIDE_STEP_RIGHT, C::CROUCH, C::NON_COMBAT, SWORD, WAVE, HOP, C::SITTING,
+        C::READY,
+        C::WALK_FORWARD,
+        C::WALK_BACKWARDS,
+        C::TURN_LEFT,
+        C::TURN_RIGHT,
+        C::SIDE_STEP_LEFT,
+        C::SIDE_STEP_RIGHT,
+        C::CROUCH,
+        C::NON_COMBAT,
+        SWORD,
+        WAVE,
+        HOP,
+        C::SITTING,
     ])
 }
 
@@ -353,18 +385,29 @@ fn op() -> impl Strategy<Value = Op> {
 fn carry_out(rig: &mut Rig, op: &Op) {
     match *op {
         Op::Press(command, key, speed) => {
-            let params = MovementParameters { speed, ..with_key(key) };
+            let params = MovementParameters {
+                speed,
+                ..with_key(key)
+            };
             let before = (rig.interp().raw.clone(), rig.interp().interpreted.clone());
             let had = (rig.entity.is_moving_to(), rig.interp().raw.current_hold_key);
             let result = rig.perform(Movement::Raw(command, params));
-            let untouched = !had.0 && had.1 == rig.interp().raw.current_hold_key && !command.is_action();
-            if result.is_err() && untouched && rig.interp().interpreted.actions == before.1.actions {
-                assert_eq!(rig.interp().interpreted, before.1, "a refused motion changed the state");
+            let untouched =
+                !had.0 && had.1 == rig.interp().raw.current_hold_key && !command.is_action();
+            if result.is_err() && untouched && rig.interp().interpreted.actions == before.1.actions
+            {
+                assert_eq!(
+                    rig.interp().interpreted,
+                    before.1,
+                    "a refused motion changed the state"
+                );
                 assert_eq!(rig.interp().raw.forward, before.0.forward);
             }
         }
         Op::Release(command, key) => drop(rig.release(command, key)),
-        Op::Interpreted(command) => drop(rig.perform(Movement::Interpreted(command, with_key(K::None)))),
+        Op::Interpreted(command) => {
+            drop(rig.perform(Movement::Interpreted(command, with_key(K::None))))
+        }
         Op::StopCompletely => {
             rig.perform(Movement::StopCompletely).unwrap();
             let interp = rig.interp();
@@ -382,10 +425,17 @@ fn carry_out(rig: &mut Rig, op: &Op) {
         Op::Jump(extent) => drop(rig.entity.jump(extent, &mut rig.world)),
         Op::Charge => drop(rig.entity.charge_jump(&rig.world)),
         Op::TurnTo(heading) => {
-            let params = MovementParameters { desired_heading: heading, ..MovementParameters::default() };
+            let params = MovementParameters {
+                desired_heading: heading,
+                ..MovementParameters::default()
+            };
             rig.entity.turn_to_heading(&params, &mut rig.world);
         }
-        Op::WalkTo(y) => rig.entity.move_to_position(&fixtures::place(1.0, y), &MovementParameters::default(), &mut rig.world),
+        Op::WalkTo(y) => rig.entity.move_to_position(
+            &fixtures::place(1.0, y),
+            &MovementParameters::default(),
+            &mut rig.world,
+        ),
         Op::Tick(dt) => rig.tick(rig.world.clock.now + dt),
     }
 }
@@ -393,7 +443,10 @@ fn carry_out(rig: &mut Rig, op: &Op) {
 fn check_invariants(rig: &Rig) {
     let interp = rig.interp();
     let state = &interp.interpreted;
-    assert!(matches!(state.sidestep_command, C::NONE | C::SIDE_STEP_RIGHT));
+    assert!(matches!(
+        state.sidestep_command,
+        C::NONE | C::SIDE_STEP_RIGHT
+    ));
     assert!(matches!(state.turn_command, C::NONE | C::TURN_RIGHT));
     assert_ne!(interp.raw.forward.command, C::RUN_FORWARD);
     assert_eq!(interp.pending.len(), rig.animating());

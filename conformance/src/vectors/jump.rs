@@ -1,7 +1,7 @@
 //! Vector family `jump` (`spec/vector-format.md`; defined in `spec/08-motion.md`, 8.18 and 8.24).
 
 use ac_client::math::{Frame, Vec3};
-use ac_client::motion::{Command, Movement, Mover, MovementParameters};
+use ac_client::motion::{Command, Movement, MovementParameters, Mover};
 use ac_client::physics::state::TransientState;
 use serde_json::{Value, json};
 

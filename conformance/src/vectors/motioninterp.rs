@@ -1,8 +1,9 @@
 //! Vector family `motioninterp` (`spec/vector-format.md`; defined in `spec/08-motion.md`, section 8).
 
 use ac_client::motion::{
-    Command, InterpretedMotionState, Motion, MotionInterp, MotionResult, Movement, Mover,
-    MovementParameters, RawAxis, RawMotionState, code_of, contact_allows_move, motion_allows_jump,
+    Command, InterpretedMotionState, Motion, MotionInterp, MotionResult, Movement,
+    MovementParameters, Mover, RawAxis, RawMotionState, code_of, contact_allows_move,
+    motion_allows_jump,
 };
 use ac_client::physics::state::{PhysicsState, TransientState};
 use serde_json::{Map, Value, json};
@@ -10,8 +11,8 @@ use serde_json::{Map, Value, json};
 use super::VectorContext;
 use super::json::{boolean, f32, id, put};
 use super::math::put_vec3;
-use super::motiontable;
 use super::motion_object::{Object, STANDING, hold_key, interpreter, put_hold_key, weenie};
+use super::motiontable;
 
 /// The library's answer to one vector; `None`: not implemented.
 pub fn answer(ctx: &VectorContext<'_>, vector: &Value) -> Option<Value> {
@@ -152,7 +153,8 @@ fn state(object: &Object) -> Option<Map<String, Value>> {
         ("standing_longjump", interp.standing_longjump.into()),
         ("state_velocity", put_vec3(velocity)),
     ];
-    let mut state: Map<String, Value> = fields.map(|(k, v)| (k.to_owned(), v)).into_iter().collect();
+    let mut state: Map<String, Value> =
+        fields.map(|(k, v)| (k.to_owned(), v)).into_iter().collect();
     let parts = object.entity.body.part_array.as_ref()?;
     state.extend(motiontable::state(parts.motion_table.as_ref()?));
     Some(state)

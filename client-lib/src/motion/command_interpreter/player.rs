@@ -2,9 +2,7 @@
 
 use super::keyboard::Press;
 use super::{AutonomyLevel, CommandEntry, CommandInterpreter, Outgoing, Scene};
-use crate::motion::{
-    Command, HoldKey, MotionError, MovementFlags, MovementParameters,
-};
+use crate::motion::{Command, HoldKey, MotionError, MovementFlags, MovementParameters};
 
 impl CommandInterpreter {
     /// Starts or ends a motion of the player (13.6).

@@ -159,7 +159,10 @@ fn actions_stop_everything_and_send_two_events() {
     assert_eq!(seat.sent(), [0xF61C, 0xF61C]);
     assert_eq!(seat.keys.action_stamp, 2);
     let action = *seat.raw().actions.iter().next().unwrap();
-    assert_eq!((action.command, action.stamp, action.autonomous), (HOP, 1, true));
+    assert_eq!(
+        (action.command, action.stamp, action.autonomous),
+        (HOP, 1, true)
+    );
     assert!(seat.keys.substates.is_empty());
 }
 
@@ -171,7 +174,10 @@ fn refusals_are_noted() {
     seat.key(C::CROUCH, true);
     assert_eq!(
         seat.keys.notices,
-        [MotionError::CantChatEmoteInCombat, MotionError::CantCrouchInCombat]
+        [
+            MotionError::CantChatEmoteInCombat,
+            MotionError::CantCrouchInCombat
+        ]
     );
 }
 
@@ -194,7 +200,10 @@ fn a_jump_is_charged_and_reported() {
     seat.with(|keys, scene| assert!(keys.handle_action(0x31, true, scene)));
     seat.rig.world.clock.now += 0.25;
     seat.with(|keys, scene| keys.do_jump(scene));
-    let Some(Outgoing::Jump { extent, velocity, .. }) = seat.keys.outbox.pop() else {
+    let Some(Outgoing::Jump {
+        extent, velocity, ..
+    }) = seat.keys.outbox.pop()
+    else {
         panic!("no jump was sent");
     };
     assert_eq!(extent, 0.25);
@@ -315,11 +324,16 @@ fn bodies_of_messages() {
         keys.use_time(scene);
         keys.handle_keyboard_command(Command::TURN_RIGHT, true, 1.0, scene);
     });
-    let bodies: Vec<Vec<u8>> = seat.keys.outbox.drain(..).map(|m| {
-        let mut body = Vec::new();
-        m.pack(&mut body);
-        body
-    }).collect();
+    let bodies: Vec<Vec<u8>> = seat
+        .keys
+        .outbox
+        .drain(..)
+        .map(|m| {
+            let mut body = Vec::new();
+            m.pack(&mut body);
+            body
+        })
+        .collect();
     let [report, state] = bodies.try_into().unwrap();
     assert_eq!(report.len(), 32 + 8 + 4);
     assert_eq!(report[..4], [0x25, 0, 0xB4, 0xA9]);
