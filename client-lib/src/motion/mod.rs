@@ -35,7 +35,6 @@ mod movement_manager;
 mod params;
 mod raw_state;
 mod requests;
-mod slope;
 #[cfg(test)]
 mod tests;
 mod weenie;
@@ -61,5 +60,4 @@ pub use move_to::{DistanceSample, MoveToKind, MoveToManager, MoveToNode};
 pub use movement_manager::{MoveTarget, Movement, MovementManager};
 pub use params::{Approach, MovementFlags, MovementParameters, desired_heading};
 pub use raw_state::{RawAxis, RawMotionState};
-pub use slope::is_walkable;
 pub use weenie::{Character, MotionCallbacks};

@@ -404,9 +404,11 @@ fn carry_out(rig: &mut Rig, op: &Op) {
                 assert_eq!(rig.interp().raw.forward, before.0.forward);
             }
         }
-        Op::Release(command, key) => drop(rig.release(command, key)),
+        Op::Release(command, key) => {
+            let _ = rig.release(command, key);
+        }
         Op::Interpreted(command) => {
-            drop(rig.perform(Movement::Interpreted(command, with_key(K::None))))
+            let _ = rig.perform(Movement::Interpreted(command, with_key(K::None)));
         }
         Op::StopCompletely => {
             rig.perform(Movement::StopCompletely).unwrap();
@@ -422,8 +424,12 @@ fn carry_out(rig: &mut Rig, op: &Op) {
             rig.settle();
             assert!(!rig.entity.motions_pending());
         }
-        Op::Jump(extent) => drop(rig.entity.jump(extent, &mut rig.world)),
-        Op::Charge => drop(rig.entity.charge_jump(&rig.world)),
+        Op::Jump(extent) => {
+            let _ = rig.entity.jump(extent, &mut rig.world);
+        }
+        Op::Charge => {
+            let _ = rig.entity.charge_jump(&rig.world);
+        }
         Op::TurnTo(heading) => {
             let params = MovementParameters {
                 desired_heading: heading,
@@ -472,5 +478,25 @@ proptest! {
                 check_invariants(&rig);
             }
         }
+    }
+}
+
+#[test]
+fn the_steepest_ground_that_lets_an_object_move() {
+    use crate::physics::transition::is_valid_walkable;
+    let limit = f32::from_bits(0x3F2A_0751);
+    let walkable = |z: f32, profile| is_valid_walkable(Vec3::new(0.0, 0.0, z), profile);
+    let (retail, gdle) = (Profile::retail(), Profile::gdle());
+    assert_eq!(libm::cos(3_437.746_770_784_939) as f32, limit);
+    assert!(walkable(limit, &retail) && !walkable(limit, &gdle));
+    for (z, expected) in [
+        (limit.next_up(), true),
+        (limit.next_down(), false),
+        (1.0, true),
+        (-1.0, false),
+        (f32::NAN, false),
+    ] {
+        assert_eq!(walkable(z, &retail), expected);
+        assert_eq!(walkable(z, &gdle), expected);
     }
 }

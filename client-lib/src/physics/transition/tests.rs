@@ -444,7 +444,6 @@ mod exemptions {
         impenetrable: false,
         bypasses_restrictions: false,
         storage: false,
-        bypasses_restrictions: false,
     };
 
     fn info(of: &Body, profile: &Profile) -> ObjectInfo {
