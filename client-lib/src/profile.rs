@@ -783,6 +783,8 @@ profile! {
     sledding_full_vector: bool = [false, true, false] "O-07";
     /// A transit without a current cell fails instead of losing the object.
     no_cell_fails: bool = [false, true, false] "O-09";
+    /// Width in which the share of the speed that friction leaves is computed.
+    friction_base: Width = [Width::F64, Width::F32, Width::F64] "06:B6";
     /// Sledding friction and gravity.
     sledding: Sledding = [Sledding::Steep, Sledding::Flat, Sledding::Steep] "O-10 O-11";
     /// `set_velocity` of an equal value is judged within ε instead of exactly.

@@ -302,7 +302,10 @@ impl Entity {
         if self.kin.colliding_with_environment {
             return false;
         }
-        let result = self.reports_collisions();
+        // Profile `ace` counts the report as made also without a weenie.
+        let result = self.reports_collisions()
+            || (self.body.state.contains(PhysicsState::REPORT_COLLISIONS)
+                && world.profile.reports == Reports::EachTouch);
         if result && self.weenie.as_ref().is_some_and(|w| w.collects_reports) {
             self.reports
                 .push(CollisionReport::Environment(EnvironmentReport {
