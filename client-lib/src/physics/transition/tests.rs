@@ -445,6 +445,7 @@ mod exemptions {
         creature: true,
         pk: false,
         pk_lite: false,
+        bypasses_restrictions: false,
         impenetrable: false,
         storage: false,
     };
