@@ -1,12 +1,6 @@
 //! `docs/status.md`: what matches how well, from measurements only.
 
-use std::{
-    collections::BTreeMap,
-    fmt::Write,
-    fs,
-    path::{Path, PathBuf},
-    time::Duration,
-};
+use std::{collections::BTreeMap, fmt::Write, fs, path::Path, time::Duration};
 
 use ac_golden_traces::corpus;
 use serde_json::Value;
@@ -302,7 +296,7 @@ pub fn benches_in(target: &Path) -> Vec<Bench> {
     benches
 }
 
-fn bench(estimates: &PathBuf) -> Option<Bench> {
+fn bench(estimates: &Path) -> Option<Bench> {
     let read = |path: &Path| serde_json::from_slice::<Value>(&fs::read(path).ok()?).ok();
     let about = read(&estimates.with_file_name("benchmark.json"))?;
     Some(Bench {
