@@ -64,6 +64,7 @@ fn cell_list(c: &mut Criterion) {
             position: &position,
             spheres: &spheres,
             is_path: true,
+            want_current: true,
         };
         world.with_loading(|land, profile, missing| {
             *missing = land.find_cell_list(at, &mut array, profile).missing;

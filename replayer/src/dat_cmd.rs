@@ -203,9 +203,43 @@ fn cat(path: &Path, id: u32, raw: bool, out: &mut dyn Write) -> Result<Verdict, 
             what: kind_name(&file, id),
         });
     };
-    serde_json::to_writer_pretty(&mut *out, &record?.0)?;
-    writeln!(out)?;
+    let json = serde_json::to_string_pretty(&record?.0)?;
+    out.write_all(short_lists_on_one_line(&json).as_bytes())?;
     Ok(Verdict::Good)
+}
+
+/// Pretty JSON whose lists of plain values stand on one line each, as far as they fit: points are easier to read so.
+fn short_lists_on_one_line(json: &str) -> String {
+    const WIDTH: usize = 120;
+    let lines: Vec<&str> = json.lines().collect();
+    let (mut out, mut i) = (String::with_capacity(json.len()), 0);
+    while i < lines.len() {
+        let mut line = lines[i].to_owned();
+        if line.ends_with('[') {
+            let plain = |l: &&&str| {
+                !matches!(l.trim_start().as_bytes().first(), Some(b'[' | b']' | b'{'))
+                    && !l.ends_with(['[', '{'])
+            };
+            let inner = lines[i + 1..].iter().take_while(plain).count();
+            let closed = lines
+                .get(i + 1 + inner)
+                .filter(|l| l.trim_start().starts_with(']'));
+            let parts: Vec<&str> = lines[i + 1..i + 1 + inner]
+                .iter()
+                .map(|l| l.trim())
+                .collect();
+            let joined = parts.join(" ");
+            if let Some(end) = closed.filter(|_| line.len() + joined.len() < WIDTH) {
+                line.push_str(&joined);
+                line.push_str(end.trim());
+                i += 1 + inner;
+            }
+        }
+        out.push_str(&line);
+        out.push('\n');
+        i += 1;
+    }
+    out
 }
 
 fn check(path: &Path, strictness: Strictness, out: &mut dyn Write) -> Result<Verdict, DatCmdError> {
@@ -401,7 +435,13 @@ mod tests {
         bytes[at(0xA9B4_FFFF) + 4] ^= 1;
         let origin = at(0xA9B4_0105) + 4 + 0x18;
         bytes[origin..origin + 4].copy_from_slice(&f32::NAN.to_le_bytes());
-        let cut = at(0xA9B4_FFFE);
+        let long = file
+            .entries()
+            .expect("directory")
+            .into_iter()
+            .find(|e| e.size > 252)
+            .expect("two blocks");
+        let cut = long.offset as usize;
         bytes[cut..cut + 4].fill(0);
         let path = folder.path().join("client_cell_1.dat");
         std::fs::write(&path, bytes).expect("written");

@@ -23,6 +23,7 @@ pub mod fuzzing;
 mod gfx_obj;
 mod hook;
 mod iteration;
+mod json;
 mod keyed;
 mod kind;
 mod landblock;

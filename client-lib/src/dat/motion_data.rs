@@ -33,6 +33,7 @@ bitflags! {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct AnimRange {
     /// Animation, 0x03......
+    #[serde(serialize_with = "super::json::hex")]
     pub animation: u32,
     /// First frame.
     pub low_frame: i32,

@@ -14,8 +14,10 @@ use super::writer::Writer;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MotionTable {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Style in which an object starts, a motion command 0x8000....
+    #[serde(serialize_with = "super::json::hex")]
     pub default_style: u32,
     /// Full style command to full command of its default substate.
     pub style_defaults: KeyedList<u32, u32>,

@@ -1,5 +1,10 @@
 //! Numbers of `spec/08-motion.md`, section 9, and invariants of section 17 that need no object.
 
+#![allow(
+    clippy::excessive_precision,
+    reason = "digits as the specification prints them"
+)]
+
 use proptest::prelude::*;
 
 use super::*;

@@ -15,6 +15,8 @@ mod command_interpreter;
 mod command_table;
 pub mod constants;
 mod error;
+#[cfg(test)]
+mod fixtures;
 pub mod formulas;
 mod ground;
 mod heading;
@@ -26,12 +28,15 @@ mod interp_tests;
 mod interpreted_state;
 mod move_to;
 mod move_to_start;
+#[cfg(test)]
+mod move_to_tests;
 mod move_to_tick;
 mod movement_manager;
 mod params;
 mod raw_state;
 mod requests;
-mod slope;
+#[cfg(test)]
+mod tests;
 mod weenie;
 pub mod wire;
 #[cfg(test)]
@@ -55,5 +60,4 @@ pub use move_to::{DistanceSample, MoveToKind, MoveToManager, MoveToNode};
 pub use movement_manager::{MoveTarget, Movement, MovementManager};
 pub use params::{Approach, MovementFlags, MovementParameters, desired_heading};
 pub use raw_state::{RawAxis, RawMotionState};
-pub use slope::is_walkable;
 pub use weenie::{Character, MotionCallbacks};

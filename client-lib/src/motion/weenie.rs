@@ -126,6 +126,10 @@ impl MotionCallbacks for Weenie {
 }
 
 #[cfg(test)]
+#[allow(
+    clippy::excessive_precision,
+    reason = "digits as the specification prints them"
+)]
 mod tests {
     use super::*;
 

@@ -122,9 +122,9 @@ fn steps_down_onto_objects() {
     let result = ball(0.0, 0.0, 0.5).intersects_sphere(&mut t, false);
     assert_eq!(result, TransitionState::Adjusted);
     assert_eq!(t.path.global_sphere[0].center.z, 1.3 + 0.194_987_49);
-    assert_eq!(t.path.walk_interp, 0.675_020_87);
+    assert_eq!(t.path.walk_interp, 0.675_020_9);
     let plane = t.info.contact_plane;
-    assert_eq!(plane.plane.n, v(0.1, 0.0, 0.994_987_43));
+    assert_eq!(plane.plane.n, v(0.1, 0.0, 0.994_987_4));
     assert_eq!(plane.plane.d, -0.997_493_74);
     assert!(plane.is_water && plane.cell_id == CELL);
 
@@ -142,7 +142,7 @@ fn steps_down_onto_objects() {
         TransitionState::Adjusted
     );
     assert_eq!(t.path.global_sphere[0].center.z, 1.3 + 0.180_000_07);
-    assert_eq!(t.path.walk_interp, 0.699_999_93);
+    assert_eq!(t.path.walk_interp, 0.699_999_9);
     let plane = t.info.contact_plane.plane;
     assert_eq!((plane.n, plane.d), (Vec3::Z, -1.0));
 }

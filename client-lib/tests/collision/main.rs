@@ -4,6 +4,7 @@ mod examples;
 mod hard_cases;
 mod obstacles;
 mod polygons;
+mod records;
 mod smoke;
 mod soup;
 mod support;

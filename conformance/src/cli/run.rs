@@ -13,7 +13,7 @@ use ac_replayer::Simulator;
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, miette};
 
-use super::{COULD_NOT_RUN, DIFFERS, Format};
+use super::{COULD_NOT_RUN, DIFFERS, Format, emit};
 use crate::run::{
     self, Mode, Options, PROFILES,
     baseline::Baseline,
@@ -73,8 +73,8 @@ pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
     bar.finish_and_clear();
     let totals = Totals::of(&outcome.results, &baseline);
     match args.format {
-        Format::Human => print!("{}", human(&outcome.results, &totals, &baseline)),
-        Format::Json => print!("{}", json(&outcome.results, &totals).into_diagnostic()?),
+        Format::Human => emit(&human(&outcome.results, &totals, &baseline))?,
+        Format::Json => emit(&json(&outcome.results, &totals).into_diagnostic()?)?,
     }
     for error in &outcome.errors {
         eprintln!("could not run: {error}");
@@ -144,21 +144,25 @@ fn baseline(args: &Args) -> miette::Result<Baseline> {
     if let Some(path) = &args.baseline {
         return Baseline::open(path).into_diagnostic();
     }
-    let bundled = [
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("baseline.toml"),
-        "conformance/baseline.toml".into(),
-    ];
-    match bundled
-        .iter()
-        .find(|path| args.paths.is_empty() && path.is_file())
-    {
-        Some(path) => Baseline::open(path).into_diagnostic(),
-        None => Ok(Baseline::default()),
+    let bundled = bundled_baseline();
+    if args.paths.is_empty() && bundled.is_file() {
+        return Baseline::open(&bundled).into_diagnostic();
+    }
+    Ok(Baseline::default())
+}
+
+/// The baseline of the bundled traces: in the source tree that this program was built from, else under the current folder.
+pub(super) fn bundled_baseline() -> PathBuf {
+    let built = Path::new(env!("CARGO_MANIFEST_DIR"));
+    if built.is_dir() {
+        built.join("baseline.toml")
+    } else {
+        "conformance/baseline.toml".into()
     }
 }
 
 /// A bar on standard error, if someone can see it.
-fn progress(length: u64) -> ProgressBar {
+pub(super) fn progress(length: u64) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }

@@ -110,6 +110,46 @@ impl Baseline {
     }
 }
 
+impl Baseline {
+    /// The baseline that accepts exactly the divergences of `results`: entries that still apply stay as they are, those of
+    /// scenes that were not run too; each new divergence gets an entry with `reason`.
+    #[must_use]
+    pub fn blessed(&self, results: &[RunResult], reason: &str) -> Self {
+        let mut known: Vec<Known> = self
+            .known
+            .iter()
+            .filter(|known| {
+                let mut named = results
+                    .iter()
+                    .filter(|result| known.names(result))
+                    .peekable();
+                named.peek().is_none() || named.any(|result| self.accepts(result) == Some(known))
+            })
+            .cloned()
+            .collect();
+        for result in results
+            .iter()
+            .filter(|result| self.accepts(result).is_none())
+        {
+            if let Some(divergence) = &result.first_divergence {
+                known.push(Known {
+                    scene: result.scene.clone(),
+                    oracle: result.oracle.clone(),
+                    mode: result.mode.name().into(),
+                    guid: Some(result.guid.clone()),
+                    frame: divergence.frame,
+                    field: divergence.field.clone(),
+                    reason: reason.into(),
+                });
+            }
+        }
+        known.sort_by(|a, b| {
+            (&a.scene, &a.oracle, &a.mode, &a.guid).cmp(&(&b.scene, &b.oracle, &b.mode, &b.guid))
+        });
+        Self { known }
+    }
+}
+
 impl Known {
     fn names(&self, result: &RunResult) -> bool {
         self.scene == result.scene

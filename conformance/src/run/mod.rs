@@ -183,11 +183,9 @@ pub fn run(
         })
         .collect();
     let mut outcome = Outcome::default();
-    for results in each {
-        match results {
-            Ok(results) => outcome.results.extend(results),
-            Err(error) => outcome.errors.push(error),
-        }
+    for case in each {
+        outcome.results.extend(case.results);
+        outcome.errors.extend(case.errors);
     }
     // Entities keep their order: the sort is stable.
     outcome

@@ -99,8 +99,15 @@ pub fn human(results: &[RunResult], totals: &Totals, baseline: &Baseline) -> Str
     for known in baseline.fixed(results) {
         let _ = writeln!(
             text,
-            "fixed: {} {} {} no longer diverges; take it out of the baseline",
-            known.scene, known.oracle, known.mode
+            "fixed: {} {} {}{} no longer diverges; take it out of the baseline",
+            known.scene,
+            known.oracle,
+            known.mode,
+            known
+                .guid
+                .as_ref()
+                .map(|guid| format!(" {guid}"))
+                .unwrap_or_default()
         );
     }
     if totals.frames_undefined_in_oracle > 0 {

@@ -17,30 +17,31 @@ use ac_golden_traces::{
 use ac_replayer::{Simulation, SimulationError, Simulator};
 use serde_json::{Value, value::RawValue};
 
-use super::{Case, Mode, Options, RunError, RunResult};
+use super::{Case, Mode, Options, Outcome, RunError, RunResult};
 use crate::{compare::Comparison, vectors::json};
 
-/// Runs a case in all modes with all oracles that the options name.
-pub(super) fn run_case(
-    simulator: &dyn Simulator,
-    case: &Case,
-    options: &Options,
-) -> Result<Vec<RunResult>, RunError> {
-    match case {
+/// Runs a case in all modes with all oracles that the options name. What could not run is in the errors; the results of the
+/// rest stand beside it.
+pub(super) fn run_case(simulator: &dyn Simulator, case: &Case, options: &Options) -> Outcome {
+    let outcome = match case {
         Case::Trace(path) => run_trace(simulator, path, options),
         Case::Files {
             scene,
             expect,
             stages,
         } => run_files(simulator, scene, expect, stages, options),
-    }
+    };
+    outcome.unwrap_or_else(|error| Outcome {
+        results: Vec::new(),
+        errors: vec![error],
+    })
 }
 
 fn run_trace(
     simulator: &dyn Simulator,
     path: &Path,
     options: &Options,
-) -> Result<Vec<RunResult>, RunError> {
+) -> Result<Outcome, RunError> {
     let mut reader = TraceReader::open(path)?;
     let states_wanted = options.modes.iter().any(|mode| *mode != Mode::Stage);
     let stages_wanted = options.modes.contains(&Mode::Stage);
@@ -74,7 +75,7 @@ fn run_files(
     expect: &[PathBuf],
     stages: &[PathBuf],
     options: &Options,
-) -> Result<Vec<RunResult>, RunError> {
+) -> Result<Outcome, RunError> {
     let scene = Scene::open(path)?;
     let mut run = CaseRun::new(simulator, path, &scene, options);
     if options.modes.iter().any(|mode| *mode != Mode::Stage) {
@@ -155,7 +156,9 @@ struct CaseRun<'a> {
     scene: &'a Scene,
     options: &'a Options,
     frame_runs: BTreeMap<String, Vec<FrameRun>>,
+    /// `None`: a record could not be understood, the rest is not run.
     stage_runs: BTreeMap<String, Option<StageRun>>,
+    errors: Vec<RunError>,
 }
 
 impl<'a> CaseRun<'a> {
@@ -172,6 +175,7 @@ impl<'a> CaseRun<'a> {
             options,
             frame_runs: BTreeMap::new(),
             stage_runs: BTreeMap::new(),
+            errors: Vec::new(),
         }
     }
 
@@ -275,18 +279,21 @@ impl<'a> CaseRun<'a> {
                 }),
             );
         }
-        let path = self.path;
-        for run in self.stage_runs.get_mut(oracle).into_iter().flatten() {
-            run.frame(frame, records)
-                .map_err(|source| RunError::Simulation {
-                    path: path.into(),
-                    source,
-                })?;
+        let run = self.stage_runs.get_mut(oracle);
+        if let Some(slot) = run
+            && let Some(stage_run) = slot
+            && let Err(source) = stage_run.frame(frame, records)
+        {
+            *slot = None;
+            self.errors.push(RunError::Simulation {
+                path: self.path.into(),
+                source,
+            });
         }
         Ok(())
     }
 
-    fn finish(self) -> Result<Vec<RunResult>, RunError> {
+    fn finish(self) -> Result<Outcome, RunError> {
         let mut results = Vec::new();
         for (oracle, runs) in self.frame_runs {
             for run in runs {
@@ -333,7 +340,10 @@ impl<'a> CaseRun<'a> {
                 results.push(result);
             }
         }
-        Ok(results)
+        Ok(Outcome {
+            results,
+            errors: self.errors,
+        })
     }
 }
 

@@ -214,6 +214,25 @@ fn an_earlier_divergence_is_new_and_a_later_one_known() {
 }
 
 #[test]
+fn blessing_accepts_what_diverges_and_drops_what_is_fixed() {
+    let folder = folder();
+    let outcome = run_in(folder.path(), Some(1), &[Mode::Free]);
+    let before = known(
+        "[[known]]\nscene = 'area/tiny'\noracle = 'gdle'\nmode = 'free'\nguid = '0x2'\nframe = 1\nfield = 'origin[0]'\nreason = 'fixed'\n\
+         [[known]]\nscene = 'area/other'\noracle = 'gdle'\nmode = 'free'\nframe = 1\nfield = 'cell'\nreason = 'not run'",
+    );
+    let after = before.blessed(&outcome.results, "new");
+    let reasons: Vec<_> = after
+        .known
+        .iter()
+        .map(|known| known.reason.as_str())
+        .collect();
+    assert_eq!(reasons, ["not run", "new"]);
+    assert_eq!(Totals::of(&outcome.results, &after).new_divergences, 0);
+    assert_eq!(after.blessed(&outcome.results, "again"), after);
+}
+
+#[test]
 fn threads_do_not_change_the_order() {
     let folder = folder();
     for copy in 0..8 {

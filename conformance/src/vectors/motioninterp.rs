@@ -35,8 +35,10 @@ fn adjust_motion(ctx: &VectorContext<'_>, arguments: &Value) -> Option<Value> {
         gravity: true,
         transient: TransientState::from_bits_retain(STANDING),
     };
-    let mut interp = MotionInterp::default();
-    interp.my_run_rate = f32(&arguments["my_run_rate"])?;
+    let mut interp = MotionInterp {
+        my_run_rate: f32(&arguments["my_run_rate"])?,
+        ..MotionInterp::default()
+    };
     interp.raw.current_hold_key = hold_key(&arguments["raw_hold_key"])?;
     let motion = Motion {
         command: Command(id(&arguments["motion"])?),

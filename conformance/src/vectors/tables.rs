@@ -47,10 +47,11 @@ impl Tables {
 impl Tables {
     /// A world that holds these tables and nothing else.
     pub fn into_source(self) -> MemorySource {
-        let mut source = MemorySource::default();
-        source.animations = self.animations.into_iter().map(|a| (a.id, a)).collect();
-        source.motion_tables = self.motion_table.into_iter().map(|t| (t.id, t)).collect();
-        source
+        MemorySource {
+            animations: self.animations.into_iter().map(|a| (a.id, a)).collect(),
+            motion_tables: self.motion_table.into_iter().map(|t| (t.id, t)).collect(),
+            ..MemorySource::default()
+        }
     }
 }
 

@@ -23,7 +23,7 @@ fn animations() -> Vec<std::sync::Arc<crate::dat::Animation>> {
         (2, 102, 1),
         (2, 202, -1),
     ];
-    let root = |i: usize| (i % 2 == 0).then(|| Vec3::new(0.0, 0.03, 0.0));
+    let root = |i: usize| i.is_multiple_of(2).then(|| Vec3::new(0.0, 0.03, 0.0));
     let make = |(i, n): (usize, &u32)| animation(FIRST + i as u32, *n, root(i), &hooks);
     FRAMES.iter().enumerate().map(make).collect()
 }

@@ -404,7 +404,7 @@ pub(super) fn generated() -> WorldBuilder {
     let crate_shape = world.solid(&block(Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, 1.0, 2.0)));
     let ramp_shape = world.solid(&ramp(6.0, 3.0, 2.0));
     let octagon: Vec<[f32; 2]> = (0..8)
-        .map(|i| (i as f32 * 0.785_398_2).sin_cos())
+        .map(|i| (i as f32 * std::f32::consts::FRAC_PI_4).sin_cos())
         .map(|(s, c)| [2.0 * c, 2.0 * s])
         .collect();
     world.solid(&prism(&octagon, Axis::Z, 0.0, 1.5));

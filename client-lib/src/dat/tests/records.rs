@@ -147,7 +147,7 @@ proptest! {
         let once = w.len();
         w.align4();
         prop_assert_eq!(once, w.len());
-        prop_assert!(once % 4 == 0 && once - n <= 3);
+        prop_assert!(once.is_multiple_of(4) && once - n <= 3);
     }
 
     #[test]

@@ -445,8 +445,8 @@ mod exemptions {
         creature: true,
         pk: false,
         pk_lite: false,
-        impenetrable: false,
         bypasses_restrictions: false,
+        impenetrable: false,
         storage: false,
     };
 

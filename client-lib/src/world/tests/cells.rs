@@ -376,6 +376,23 @@ fn the_filter_of_unseen_cells_by_profile() {
 }
 
 #[test]
+fn an_indoor_static_of_cylinders_may_lack_a_shadow_in_its_own_cell() {
+    // The pillar of the large room, whose cell does not list itself as visible from itself.
+    let shadows = |profile| {
+        let mut world = testbed(profile);
+        let room = loaded(&mut world, 0x0D01_0100);
+        let env = world.land.env_cell(room).unwrap();
+        assert!(!env.stab_list.contains(&env.base.id));
+        let pillar = world.land.static_object(env.statics[0]).unwrap();
+        assert_eq!(pillar.model, 0x0200_0006);
+        let cells: Vec<u32> = pillar.body.shadows.iter().map(|s| s.id.0).collect();
+        cells
+    };
+    assert_eq!(shadows(Profile::retail()), [0x0D01_0100]);
+    assert_eq!(shadows(Profile::gdle()), [0_u32; 0]);
+}
+
+#[test]
 fn freed_slots_are_reused_in_the_order_of_the_dictionary() {
     let profile = Profile {
         list_removal: ListRemoval::SlotsReused,

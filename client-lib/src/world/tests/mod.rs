@@ -51,6 +51,7 @@ pub(super) fn list_into(
             position,
             spheres,
             is_path: true,
+            want_current: true,
         };
         let outcome = land.find_cell_list(at, array, profile);
         *missing = outcome.missing;

@@ -1,5 +1,10 @@
 //! Worked values and invariants of `spec/02-terrain.md`, sections 19 to 21.
 
+#![allow(
+    clippy::excessive_precision,
+    reason = "worked values stand as the specification prints them"
+)]
+
 use proptest::prelude::*;
 
 use crate::math::{CellId, Direction, Vec3};
