@@ -1,7 +1,7 @@
 //! Running scenes and comparing what comes out: the `run` command without its printing.
 //!
 //! A *case* is one scene with its expectations ([`cases`]). A case is read as a stream; for every oracle and mode in it one
-//! simulation runs along ([`runner`]), so that memory does not grow with the length of a trace. Cases run in parallel;
+//! simulation runs along (`runner`), so that memory does not grow with the length of a trace. Cases run in parallel;
 //! results come in a fixed order whatever the number of threads.
 
 pub mod baseline;
