@@ -309,3 +309,68 @@ fn bench(estimates: &Path) -> Option<Bench> {
             .and_then(Value::as_u64),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::Class;
+
+    fn result(mode: Mode, exact: u64) -> RunResult {
+        let stage = StageCount {
+            compared: 4,
+            exact,
+            not_run: 2,
+        };
+        RunResult {
+            scene: "area/one".into(),
+            area: "area".into(),
+            oracle: "gdle".into(),
+            profile: "gdle".into(),
+            mode,
+            guid: "0x1".into(),
+            frames_compared: 4,
+            frames_exact: exact,
+            first_divergence: None,
+            max_error: BTreeMap::new(),
+            undefined: 0,
+            class: Class::Exact,
+            not_run: 2,
+            stages: [("commit".to_owned(), stage)]
+                .into_iter()
+                .filter(|_| mode == Mode::Stage)
+                .collect(),
+        }
+    }
+
+    #[test]
+    fn the_page() {
+        let measured = Measurements {
+            vectors: vec![FnResult {
+                family: "frame".into(),
+                function: "combine".into(),
+                oracle: "gdle".into(),
+                profile: "gdle".into(),
+                total: 3,
+                exact: 2,
+                not_implemented: 1,
+                left_out: 0,
+                first_mismatch: None,
+            }],
+            runs: vec![result(Mode::Free, 4), result(Mode::Stage, 3)],
+            retail: vec![result(Mode::Free, 2)],
+            wall: Duration::from_millis(1500),
+            threads: 2,
+            benches: vec![Bench {
+                name: "group/one".into(),
+                median: 1500.0,
+                elements: Some(3),
+            }],
+        };
+        insta::assert_snapshot!(page(&measured));
+    }
+
+    #[test]
+    fn no_benchmarks_are_no_error() {
+        assert_eq!(benches_in(Path::new("/no/such/folder")), []);
+    }
+}
