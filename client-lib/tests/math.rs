@@ -1,5 +1,10 @@
 //! Worked values (`spec/01-math-and-positions.md`, 14) and invariants (15) of the mathematics.
 
+#![allow(
+    clippy::excessive_precision,
+    reason = "the digits are those of the specification's tables"
+)]
+
 use ac_client::math::{
     BoundingBox, CellId, Frame, LandCoord, Plane, Position, Quat, Sidedness, UprightCylinder, Vec3,
     block_offset, vector,

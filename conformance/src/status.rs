@@ -1,18 +1,12 @@
 //! `docs/status.md`: what matches how well, from measurements only.
 
-use std::{
-    collections::BTreeMap,
-    fmt::Write,
-    fs,
-    path::{Path, PathBuf},
-    time::Duration,
-};
+use std::{collections::BTreeMap, fmt::Write, fs, path::Path, time::Duration};
 
 use ac_golden_traces::corpus;
 use serde_json::Value;
 
 use crate::{
-    run::{Mode, RunResult},
+    run::{Mode, RunResult, StageCount},
     vectors::FnResult,
 };
 
@@ -188,7 +182,6 @@ fn cell<'a>(results: impl Iterator<Item = &'a RunResult>) -> String {
 }
 
 fn stages(text: &mut String, results: &[RunResult]) {
-    let mut stages: BTreeMap<(usize, &str), (u64, u64)> = BTreeMap::new();
     const ORDER: [&str; 7] = [
         "animation",
         "adjust",
@@ -198,21 +191,30 @@ fn stages(text: &mut String, results: &[RunResult]) {
         "commit",
         "motion",
     ];
-    for (stage, counts) in results.iter().flat_map(|result| &result.stages) {
+    let mut stages: BTreeMap<(usize, &str), StageCount> = BTreeMap::new();
+    for (stage, count) in results.iter().flat_map(|result| &result.stages) {
         let place = ORDER
             .iter()
             .position(|name| name == stage)
             .unwrap_or(ORDER.len());
         let sum = stages.entry((place, stage)).or_default();
-        sum.0 += counts.0;
-        sum.1 += counts.1;
+        sum.compared += count.compared;
+        sum.exact += count.exact;
+        sum.not_run += count.not_run;
     }
     text.push_str(
         "## Stages\n\nExact records of each stage run alone from its recorded inputs.\n\n",
     );
-    heading(text, "stage", &["records"]);
-    for ((_, stage), (total, exact)) in stages {
-        row(text, stage, [share(exact, total)]);
+    heading(text, "stage", &["records", "not run alone"]);
+    for ((_, stage), count) in stages {
+        row(
+            text,
+            stage,
+            [
+                share(count.exact, count.compared),
+                count.not_run.to_string(),
+            ],
+        );
     }
     text.push('\n');
 }
@@ -294,7 +296,7 @@ pub fn benches_in(target: &Path) -> Vec<Bench> {
     benches
 }
 
-fn bench(estimates: &PathBuf) -> Option<Bench> {
+fn bench(estimates: &Path) -> Option<Bench> {
     let read = |path: &Path| serde_json::from_slice::<Value>(&fs::read(path).ok()?).ok();
     let about = read(&estimates.with_file_name("benchmark.json"))?;
     Some(Bench {

@@ -138,9 +138,11 @@ macro_rules! optional {
                 value.map(Wrapped).serialize(serializer)
             }
 
-            /// Reads the value; null is an error, the field is left out instead.
-            pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<$type>, D::Error> {
-                Ok(Some(Wrapped::deserialize(deserializer)?.0))
+            /// Reads the value; null is `None`.
+            pub fn deserialize<'de, D: Deserializer<'de>>(
+                deserializer: D,
+            ) -> Result<Option<$type>, D::Error> {
+                Ok(Option::<Wrapped>::deserialize(deserializer)?.map(|wrapped| wrapped.0))
             }
         }
     };

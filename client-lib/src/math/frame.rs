@@ -144,7 +144,7 @@ impl Frame {
     /// As [`Frame::combine`], for a frame that is stored without its matrix, which is not needed.
     pub fn combine_origin(&self, origin: Vec3, rotation: Quat, profile: &Profile) -> Self {
         let mut result = Self::from_origin(self.local_to_global(origin, profile));
-        result.set_combined_rotation(self.rotation.mul(rotation), profile);
+        result.set_combined_rotation(self.rotation.product(rotation), profile);
         result
     }
 
@@ -164,12 +164,12 @@ impl Frame {
         match profile.undo_combine {
             UndoCombine::OriginByB => {
                 result.origin = self.origin - b.local_to_global_vec(b.origin, profile);
-                result.set_combined_rotation(a.mul(b.rotation.inverse()), profile);
+                result.set_combined_rotation(a.product(b.rotation.inverse()), profile);
             }
             UndoCombine::Inverse | UndoCombine::SignSlip => {
-                let mut q = a.mul(c);
+                let mut q = a.product(c);
                 if profile.undo_combine == UndoCombine::SignSlip {
-                    q.z = a.mul(b.rotation).z;
+                    q.z = a.product(b.rotation).z;
                 }
                 result.set_combined_rotation(q, profile);
                 let (o, [r0, r1, r2]) = (b.origin, &result.rows);
@@ -183,7 +183,7 @@ impl Frame {
     pub fn relative_to(&self, base: &Self, profile: &Profile) -> Self {
         let mut result = Self::from_origin(base.global_to_local(self.origin, profile));
         let (b, q) = (base.rotation.conjugate(), self.rotation);
-        let mut product = b.mul(q);
+        let mut product = b.product(q);
         // The reference sums this one real part in another order; the vectors show it.
         product.w = b.w * q.w - b.y * q.y - b.x * q.x - b.z * q.z;
         result.set_rotation(product, profile);
@@ -201,11 +201,11 @@ impl Frame {
                 let axis = angles * (1.0 / magnitude);
                 let half = magnitude * 0.5;
                 let (c, v) = (cos(half), axis * sin(half));
-                self.set_rotation(Quat::new(c, v.x, v.y, v.z).mul(self.rotation), profile);
+                self.set_rotation(Quat::new(c, v.x, v.y, v.z).product(self.rotation), profile);
             }
             RotationVector::YawPitchRoll => {
                 let turn = yaw_pitch_roll(angles.x, angles.y, angles.z);
-                self.set_rotation(self.rotation.mul(turn), profile);
+                self.set_rotation(self.rotation.product(turn), profile);
             }
         }
     }
@@ -245,13 +245,7 @@ impl Frame {
         } else {
             spherical_weights(c, t)
         };
-        let mix = |a: f32, b: f32| {
-            if profile.substep_rotation_linear {
-                a * k1 + b * k2
-            } else {
-                b * k2 + a * k1
-            }
-        };
+        let mix = |a: f32, b: f32| a * k1 + b * k2;
         let q = Quat::new(
             mix(q1.w, q2.w),
             mix(q1.x, q2.x),

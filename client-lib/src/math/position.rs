@@ -108,10 +108,7 @@ impl Position {
         let side = if hit.x < 0.0 { 0x08 } else { 0x10 };
         let front = if hit.y >= 0.0 { 0x20 } else { 0x40 };
         let (low, medium) = match profile.quadrant_thirds {
-            Width::F32 => (
-                hit.z < height * 0.333_333_343,
-                hit.z < height * 0.666_666_687,
-            ),
+            Width::F32 => (hit.z < height * 1.0 / 3.0, hit.z < height * 2.0 / 3.0),
             Width::F64 => {
                 let (z, h) = (f64::from(hit.z), f64::from(height));
                 (z < h * 0.333333333, z < h * 0.66666667)

@@ -27,7 +27,7 @@ impl Quat {
     }
 
     /// The product `self · rhs`: first `rhs`, then `self`. Terms are added in the order of the specification (6.1).
-    pub fn mul(self, rhs: Self) -> Self {
+    pub fn product(self, rhs: Self) -> Self {
         let (a, b) = (self, rhs);
         Self {
             w: a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,

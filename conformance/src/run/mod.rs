@@ -1,7 +1,7 @@
 //! Running scenes and comparing what comes out: the `run` command without its printing.
 //!
 //! A *case* is one scene with its expectations ([`cases`]). A case is read as a stream; for every oracle and mode in it one
-//! simulation runs along ([`runner`]), so that memory does not grow with the length of a trace. Cases run in parallel;
+//! simulation runs along (`runner`), so that memory does not grow with the length of a trace. Cases run in parallel;
 //! results come in a fixed order whatever the number of threads.
 
 pub mod baseline;
@@ -87,9 +87,23 @@ pub struct RunResult {
     /// Exact, within tolerance or diverged.
     #[serde(skip)]
     pub class: Class,
-    /// Stage records compared and exact, per stage (stage mode).
+    /// Stage records that the client cannot run alone.
     #[serde(skip)]
-    pub stages: BTreeMap<String, (u64, u64)>,
+    pub not_run: u64,
+    /// Stage records per stage (stage mode).
+    #[serde(skip)]
+    pub stages: BTreeMap<String, StageCount>,
+}
+
+/// Records of one stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StageCount {
+    /// Run alone and compared.
+    pub compared: u64,
+    /// Of these exact.
+    pub exact: u64,
+    /// Not run: the client cannot run this stage alone.
+    pub not_run: u64,
 }
 
 impl RunResult {
@@ -111,6 +125,7 @@ impl RunResult {
             frames_compared: comparison.frames_compared,
             frames_exact: comparison.frames_exact,
             undefined: comparison.undefined,
+            not_run: comparison.not_run,
             class: comparison.class(),
             first_divergence: comparison.first_divergence,
             max_error: comparison.max_error,

@@ -36,6 +36,8 @@ pub struct Totals {
     pub frames_exact: u64,
     /// Frames whose expectation is not finite: nothing is known about them.
     pub frames_undefined_in_oracle: u64,
+    /// Stage records that the client cannot run alone; they are not among the frames above.
+    pub stage_records_not_run: u64,
 }
 
 impl Totals {
@@ -61,6 +63,7 @@ impl Totals {
             totals.frames_compared += result.frames_compared;
             totals.frames_exact += result.frames_exact;
             totals.frames_undefined_in_oracle += result.undefined;
+            totals.stage_records_not_run += result.not_run;
         }
         totals
     }
@@ -115,6 +118,13 @@ pub fn human(results: &[RunResult], totals: &Totals, baseline: &Baseline) -> Str
             text,
             "undefined in the oracle: {} frames expect a value that is not finite; that it is met says nothing about retail",
             totals.frames_undefined_in_oracle
+        );
+    }
+    if totals.stage_records_not_run > 0 {
+        let _ = writeln!(
+            text,
+            "not run: {} stage records of stages that the client cannot run alone",
+            totals.stage_records_not_run
         );
     }
     let _ = writeln!(

@@ -17,7 +17,7 @@ use ac_golden_traces::{
 use ac_replayer::{Simulation, SimulationError, Simulator};
 use serde_json::{Value, value::RawValue};
 
-use super::{Case, Mode, Options, Outcome, RunError, RunResult};
+use super::{Case, Mode, Options, Outcome, RunError, RunResult, StageCount};
 use crate::{compare::Comparison, vectors::json};
 
 /// Runs a case in all modes with all oracles that the options name. What could not run is in the errors; the results of the
@@ -446,8 +446,8 @@ impl FrameRun {
     }
 }
 
-/// Stage records compared and exact, per stage.
-type StageCounts = BTreeMap<String, (u64, u64)>;
+/// Records per stage.
+type StageCounts = BTreeMap<String, StageCount>;
 
 /// One simulation that runs stages alone.
 struct StageRun {
@@ -490,11 +490,12 @@ impl StageRun {
                     self.entities.len() - 1
                 });
             let (_, comparison, stages) = &mut self.entities[place];
-            let exact = comparison.frames_exact;
+            let before = (comparison.frames_compared, comparison.frames_exact);
             comparison.stage(frame, stage, expected, actual.as_ref());
             let counts = stages.entry(stage.to_owned()).or_default();
-            counts.0 += 1;
-            counts.1 += comparison.frames_exact - exact;
+            counts.compared += comparison.frames_compared - before.0;
+            counts.exact += comparison.frames_exact - before.1;
+            counts.not_run += u64::from(actual.is_none());
         }
         Ok(())
     }

@@ -4,9 +4,9 @@
 //! *message* of our trace files holds all records of one frame: `{"frame", "time", "entities": [record…]}`, the records
 //! without `frame` and `time`.
 //!
-//! Reading has two paths with one result. [`fast`] reads the canonical form (fields in the order of the specification, no
+//! Reading has two paths with one result. `fast` reads the canonical form (fields in the order of the specification, no
 //! white space), which is what the writer here and the oracles produce, without an intermediate tree. Whatever it does not
-//! recognise goes to [`tree`], which takes any valid JSON and says what is wrong in one that is not a record. A test holds
+//! recognise goes to `tree`, which takes any valid JSON and says what is wrong in one that is not a record. A test holds
 //! the two together.
 //!
 //! Numbers are exact both ways: an f32 is written as the shortest decimal of its widened f64 and read by narrowing.

@@ -8,7 +8,7 @@ impl Transition<'_> {
     /// Tries to climb an obstacle whose surface has that normal, block coordinates (10.9): true if the mover now stands on something, false if
     /// it is where it was.
     ///
-    /// Nothing is raised here: with `step_up` set, [`step_down`](Self::step_down) does not lower the mover first, so that its search runs from the
+    /// Nothing is raised here: with `step_up` set, `step_down` does not lower the mover first, so that its search runs from the
     /// position under test upward, and the geometry lifts the sphere to the surface it finds.
     pub fn step_up(&mut self, normal: Vec3) -> bool {
         self.info.void_contact_plane();
