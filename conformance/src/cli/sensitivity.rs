@@ -54,7 +54,8 @@ pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
     }
     if outcome.scenes.is_empty() && outcome.errors.is_empty() {
         return Err(miette!(
-            help = "traces end in .mcap, scenes in .scene.json; name other paths or another --oracle",
+            help =
+                "traces end in .mcap, scenes in .scene.json; name other paths or another --oracle",
             "there are no expectations in the {} cases found",
             cases.len()
         ));

@@ -194,7 +194,10 @@ fn scene_lines(text: &mut String, scene: &SceneSensitivity) {
 }
 
 fn count_table(text: &mut String, counts: &[SwitchCount]) {
-    let mut oracles: Vec<&String> = counts.iter().flat_map(|count| count.oracles.keys()).collect();
+    let mut oracles: Vec<&String> = counts
+        .iter()
+        .flat_map(|count| count.oracles.keys())
+        .collect();
     oracles.sort_unstable();
     oracles.dedup();
     let _ = write!(text, "\n{:<30} {:<24}", "switch", "specification");
