@@ -93,7 +93,7 @@ fn summary(text: &mut String, measured: &Measurements) {
     let lines = [
         ("scenes (frames), free", Mode::Free),
         ("scenes (frames), resync", Mode::Resync),
-        ("scenes (records), stage", Mode::Stage),
+        ("scenes (records that can run alone), stage", Mode::Stage),
     ];
     for (name, mode) in lines {
         row(
@@ -252,7 +252,10 @@ fn stages(text: &mut String, results: &[RunResult]) {
             text,
             stage,
             [
-                share(count.exact, count.compared),
+                match count.compared {
+                    0 => "–".into(),
+                    compared => share(count.exact, compared),
+                },
                 count.not_run.to_string(),
             ],
         );

@@ -12,12 +12,13 @@ pub(super) fn section(text: &mut String, scenes: &[SceneSensitivity]) {
     text.push_str(
         "## Sensitivity\n\nEach scene runs again under its oracle's profile with one switch set to the choice of `retail`, once for every switch in which the two \
          differ. It is sensitive to a switch when any frame changes. A switch is named by its field in `Profile`, a scene's list by the first identifier that the \
-         specification gives it.\n\n",
+         specification gives it. Where two switches belong together, one alone makes a mixture that no reconstruction runs: it may show \
+         more than the difference itself, or hide it.\n\n",
     );
     let counts = switch_counts(scenes);
     totals(text, scenes, &counts);
     switches(text, scenes, &counts);
-    unseen(text, &counts);
+    unseen(text, scenes, &counts);
     per_scene(text, scenes);
 }
 
@@ -83,18 +84,29 @@ fn example(scenes: &[SceneSensitivity], switch: &str) -> String {
         })
 }
 
-fn unseen(text: &mut String, counts: &[SwitchCount]) {
-    let unseen: Vec<_> = counts
-        .iter()
-        .filter(|count| count.is_unseen())
-        .map(|count| format!("`{}` ({})", count.switch, count.id))
-        .collect();
+/// The switches that nothing here tests.
+fn unseen(text: &mut String, scenes: &[SceneSensitivity], counts: &[SwitchCount]) {
+    let unseen: Vec<_> = counts.iter().filter(|count| count.is_unseen()).collect();
     let _ = writeln!(
         text,
-        "Set alone, these {} change no frame of any scene, so nothing here tells the choices apart: {}.\n",
+        "### Switches that no scene sees\n\nSet alone, {} of {} switches change no frame of any scene: nothing here tells these choices apart.\n\n\
+         <details><summary>All of them</summary>\n",
         unseen.len(),
-        unseen.join(", ")
+        counts.len()
     );
+    let oracles = columns(scenes.iter().map(|scene| scene.oracle.as_str()));
+    let mut names = vec!["specification", "`retail`"];
+    names.extend(&oracles);
+    heading(text, "switch", &names);
+    for count in unseen {
+        let mut cells = vec![count.id.into(), format!("`{}`", count.retail_choice)];
+        cells.extend(oracles.iter().map(|oracle| {
+            let of = count.oracles.get(*oracle);
+            of.map_or("–".into(), |of| format!("`{}`", of.choice))
+        }));
+        row(text, &format!("`{}`", count.switch), cells);
+    }
+    text.push_str("\n</details>\n\n");
 }
 
 fn per_scene(text: &mut String, scenes: &[SceneSensitivity]) {

@@ -25,14 +25,14 @@ fn bundled(scenes: &[&str], oracle: Option<&str>) -> Outcome {
 
 #[test]
 fn two_scenes_for_a_reader() {
-    let outcome = bundled(&["extreme/omega", "bounce/drop"], None);
+    let outcome = bundled(&["extreme/nan-velocity", "motion/stop-completely"], None);
     assert!(outcome.errors.is_empty(), "{:?}", outcome.errors);
     insta::assert_snapshot!(human(&outcome.scenes));
 }
 
 #[test]
 fn one_scene_for_a_program() {
-    let outcome = bundled(&["bounce/drop"], Some("gdle"));
+    let outcome = bundled(&["extreme/nan-velocity"], Some("gdle"));
     let text = json(&outcome.scenes).unwrap();
     let value: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(value["schema"], report::SCHEMA);
@@ -48,7 +48,7 @@ fn threads_do_not_change_anything() {
             .num_threads(threads)
             .build()
             .unwrap();
-        pool.install(|| bundled(&["extreme/omega", "bounce/drop"], None))
+        pool.install(|| bundled(&["extreme/nan-velocity"], Some("ace")))
             .scenes
     };
     assert_eq!(with(1), with(4));
@@ -56,7 +56,7 @@ fn threads_do_not_change_anything() {
 
 #[test]
 fn every_switch_that_differs_is_counted_once() {
-    let outcome = bundled(&["extreme/omega"], None);
+    let outcome = bundled(&["extreme/nan-velocity"], None);
     let counts = switch_counts(&outcome.scenes);
     for scene in &outcome.scenes {
         let of_oracle = counts
