@@ -143,7 +143,7 @@ pub fn human(scenes: &[SceneSensitivity]) -> String {
     let _ = writeln!(
         text,
         "{} scenes and oracles ({} not met under the oracle's own profile), {} runs with one switch set: {} changed something; \
-         {} of {} switches are seen by no scene",
+         {} of {} switches are seen by no scene (--format json lists them)",
         totals.scenes,
         totals.unmet,
         totals.runs,
@@ -193,6 +193,7 @@ fn scene_lines(text: &mut String, scene: &SceneSensitivity) {
     }
 }
 
+/// Scenes per switch and oracle; what no scene sees is left out.
 fn count_table(text: &mut String, counts: &[SwitchCount]) {
     let mut oracles: Vec<&String> = counts
         .iter()
@@ -200,13 +201,13 @@ fn count_table(text: &mut String, counts: &[SwitchCount]) {
         .collect();
     oracles.sort_unstable();
     oracles.dedup();
-    let _ = write!(text, "\n{:<30} {:<24}", "switch", "specification");
+    let _ = write!(text, "\n{:<30} {:<32}", "switch", "specification");
     for oracle in &oracles {
         let _ = write!(text, " {oracle:>13}");
     }
     text.push('\n');
-    for count in counts {
-        let _ = write!(text, "{:<30} {:<24}", count.switch, count.id);
+    for count in counts.iter().filter(|count| !count.is_unseen()) {
+        let _ = write!(text, "{:<30} {:<32}", count.switch, count.id);
         for oracle in &oracles {
             let scenes = count.oracles.get(*oracle);
             let scenes = scenes.map_or("-".into(), |count| count.scenes.to_string());

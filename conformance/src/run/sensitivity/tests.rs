@@ -88,7 +88,7 @@ fn nothing_is_said_about_a_scene_that_is_not_met() {
     };
     let outcome = with(-1);
     assert!(outcome.errors.is_empty(), "{:?}", outcome.errors);
-    insta::assert_snapshot!(human(&outcome.scenes).lines().next().unwrap(), @"");
+    insta::assert_snapshot!(human(&outcome.scenes).lines().next().unwrap(), @r#"area/none gdle: nothing tried, not met under the oracle's own profile: frame -1 0x1 record: expected "there", got "gone""#);
     let outcome = with(7);
     assert!(outcome.scenes.is_empty());
     assert!(

@@ -9,7 +9,7 @@ use ac_golden_traces::scene::OffsetSpec;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::shapes::{frame, frame_spec};
+use super::shapes::{VecSpec, frame, frame_spec};
 
 #[derive(Debug, Deserialize)]
 pub(super) struct Input {
@@ -28,8 +28,7 @@ pub(super) struct Input {
     acceleration: [f32; 3],
     #[serde(with = "number::floats")]
     omega: [f32; 3],
-    #[serde(with = "number::opt_vec3")]
-    contact_normal: Option<[f32; 3]>,
+    contact_normal: Option<VecSpec>,
     movement_manager: bool,
 }
 
@@ -49,7 +48,7 @@ pub(super) fn run(input: &Input, profile: &Profile) -> Value {
     kin.acceleration = Vec3::from(input.acceleration);
     kin.omega = Vec3::from(input.omega);
     kin.friction = input.friction;
-    kin.contact_plane.n = input.contact_normal.map_or(Vec3::ZERO, Vec3::from);
+    kin.contact_plane.n = input.contact_normal.map_or(Vec3::ZERO, |n| n.0.into());
     let mut moved = frame(&input.frame);
     kin.update_physics(
         &mut moved,

@@ -1,9 +1,16 @@
 //! Common shapes of stage records.
 
 use ac_client::math::{CellId, Frame, Position, Vec3};
+use ac_golden_traces::number;
 use ac_golden_traces::scene::{OffsetSpec, PositionSpec};
+use serde::{Deserialize, Serialize};
 
 use super::super::entity;
+
+/// A vector that may be null: `Option<VecSpec>`.
+#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[serde(transparent)]
+pub(super) struct VecSpec(#[serde(with = "number::floats")] pub [f32; 3]);
 
 /// A frame.
 pub(super) fn frame(spec: &OffsetSpec) -> Frame {
