@@ -1,111 +1,138 @@
 //! `docs/status.md`: what matches how well, from measurements only.
 
-use std::{collections::BTreeMap, fmt::Write, fs, path::Path, time::Duration};
+mod sensitivity;
+mod speed;
 
-use ac_golden_traces::corpus;
-use serde_json::Value;
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt::Write,
+    time::Duration,
+};
+
+pub use speed::{Bench, Cost, benches_in, costs, machine};
 
 use crate::{
-    run::{Mode, RunResult, StageCount},
+    run::{Mode, RunResult, StageCount, sensitivity::SceneSensitivity},
     vectors::FnResult,
 };
 
 /// Everything that the page shows.
 #[derive(Clone, Debug, Default)]
 pub struct Measurements {
+    /// What it was measured on; see [`machine`].
+    pub machine: String,
     /// Vectors, per function.
     pub vectors: Vec<FnResult>,
     /// All modes, each oracle under its own profile.
     pub runs: Vec<RunResult>,
+    /// Names of the scenes whose script asks for no motion.
+    pub motionless: BTreeSet<String>,
     /// Free runs under the profile `retail`.
     pub retail: Vec<RunResult>,
+    /// What scenes are sensitive to.
+    pub sensitivity: Vec<SceneSensitivity>,
+    /// Time that `vectors` took, from start to end.
+    pub vectors_wall: Duration,
     /// Time that `runs` took, from start to end.
     pub wall: Duration,
+    /// Time that `sensitivity` took, from start to end.
+    pub sensitivity_wall: Duration,
     /// Threads that it ran on.
     pub threads: usize,
+    /// Costs of a tick.
+    pub costs: Vec<Cost>,
     /// Benchmarks that have been run.
     pub benches: Vec<Bench>,
 }
 
-/// A benchmark's result.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Bench {
-    /// Group and function.
-    pub name: String,
-    /// Nanoseconds per iteration, median.
-    pub median: f64,
-    /// Elements per iteration, if it counts them.
-    pub elements: Option<u64>,
-}
-
 /// The page.
 pub fn page(measured: &Measurements) -> String {
-    let mut text = String::from(
-        "# Status\n\nWritten by `ac-conform status` from measurements. *Exact* means the same bits in every recorded number, sign of zero included.\n\n",
+    let build = if cfg!(debug_assertions) {
+        "debug"
+    } else {
+        "release"
+    };
+    let mut text = format!(
+        "# Status\n\nWritten by `cargo run --release -p ac-conformance -- status` ({build} build; {}) from measurements, not by hand. *Exact* means the same \
+         bits in every recorded number, sign of zero included. `exact/total`, in bold where something is missing.\n\n",
+        measured.machine
     );
     summary(&mut text, measured);
     vectors(&mut text, &measured.vectors);
-    scenes(&mut text, &measured.runs);
+    scenes(&mut text, measured);
     stages(&mut text, &measured.runs);
     retail(&mut text, &measured.retail);
-    benches(&mut text, measured);
+    sensitivity::section(&mut text, &measured.sensitivity);
+    speed::section(&mut text, &measured.benches, &measured.costs);
     text
 }
 
-/// `exact of total`, in bold when something is missing.
+/// `exact/total`, in bold when something is missing.
 fn share(exact: u64, total: u64) -> String {
     if exact == total {
-        format!("{exact}")
+        format!("{exact}/{total}")
     } else {
-        format!("**{exact}** of {total}")
+        format!("**{exact}**/{total}")
     }
 }
 
 fn summary(text: &mut String, measured: &Measurements) {
-    let sum = |results: &[FnResult], count: fn(&FnResult) -> usize| {
-        results.iter().map(count).sum::<usize>() as u64
-    };
-    let _ = writeln!(
+    let oracles = columns(measured.runs.iter().map(|result| result.oracle.as_str()));
+    heading(text, "exact", &oracles);
+    row(
         text,
-        "- vectors exact: {}",
-        share(
-            sum(&measured.vectors, |r| r.exact),
-            sum(&measured.vectors, |r| r.total)
-        )
-    );
-    for mode in Mode::ALL {
-        let results: Vec<_> = measured
-            .runs
-            .iter()
-            .filter(|result| result.mode == mode)
-            .collect();
-        let count =
-            |each: fn(&RunResult) -> u64| results.iter().map(|result| each(result)).sum::<u64>();
-        let what = if mode == Mode::Stage {
-            "records"
-        } else {
-            "frames"
-        };
-        let _ = writeln!(
-            text,
-            "- {}: {what} exact {}, entities exact {}",
-            mode.name(),
-            share(count(|r| r.frames_exact), count(|r| r.frames_compared)),
+        "vectors",
+        oracles.iter().map(|oracle| {
+            let of = || measured.vectors.iter().filter(|r| r.oracle == *oracle);
             share(
-                results
-                    .iter()
-                    .filter(|r| r.first_divergence.is_none())
-                    .count() as u64,
-                results.len() as u64
+                of().map(|r| r.exact as u64).sum(),
+                of().map(|r| r.total as u64).sum(),
             )
+        }),
+    );
+    let lines = [
+        ("scenes (frames), free", Mode::Free),
+        ("scenes (frames), resync", Mode::Resync),
+        ("scenes (records that can run alone), stage", Mode::Stage),
+    ];
+    for (name, mode) in lines {
+        row(
+            text,
+            name,
+            cells(&measured.runs, &oracles, |r| r.mode == mode),
         );
     }
+    row(
+        text,
+        "scenes (frames), free, under `retail`",
+        cells(&measured.retail, &oracles, |_| true),
+    );
     let _ = writeln!(
         text,
-        "- time of the whole corpus, all oracles, all modes: {:.1} s on {} threads\n",
+        "\nTime on {} threads: {:.2} s for every bundled scene with all oracles in all modes, {:.2} s for all vectors, {:.2} s for the sensitivities.\n",
+        measured.threads,
         measured.wall.as_secs_f64(),
-        measured.threads
+        measured.vectors_wall.as_secs_f64(),
+        measured.sensitivity_wall.as_secs_f64()
     );
+}
+
+/// One [`cell`] per oracle of the results that `wanted` names.
+fn cells(
+    results: &[RunResult],
+    oracles: &[&str],
+    wanted: impl Fn(&RunResult) -> bool,
+) -> Vec<String> {
+    oracles
+        .iter()
+        .map(|oracle| {
+            cell(
+                results
+                    .iter()
+                    .filter(|result| result.oracle == *oracle && wanted(result)),
+            )
+        })
+        .collect()
 }
 
 fn vectors(text: &mut String, results: &[FnResult]) {
@@ -133,11 +160,12 @@ fn vectors(text: &mut String, results: &[FnResult]) {
     text.push('\n');
 }
 
-fn scenes(text: &mut String, results: &[RunResult]) {
+fn scenes(text: &mut String, measured: &Measurements) {
     text.push_str(
         "## Scenes\n\nExact scenes (exact frames) per area, each oracle under its own profile.\n\n",
     );
-    let frames: Vec<_> = results
+    let frames: Vec<&RunResult> = measured
+        .runs
         .iter()
         .filter(|result| result.mode != Mode::Stage)
         .collect();
@@ -150,16 +178,26 @@ fn scenes(text: &mut String, results: &[RunResult]) {
         .map(|(oracle, mode)| format!("{oracle}, {}", mode.name()))
         .collect();
     heading(text, "area", &names);
-    for area in columns(frames.iter().map(|result| result.area.as_str())) {
+    let mut line = |name: &str, wanted: &dyn Fn(&RunResult) -> bool| {
         let cells = columns_.iter().map(|(oracle, mode)| {
             cell(
                 frames
                     .iter()
                     .copied()
-                    .filter(|r| r.area == area && r.oracle == *oracle && r.mode == *mode),
+                    .filter(|r| r.oracle == *oracle && r.mode == *mode && wanted(r)),
             )
         });
-        row(text, area, cells);
+        row(text, name, cells);
+    };
+    let areas = columns(frames.iter().map(|result| result.area.as_str()));
+    for area in areas {
+        line(area, &|result| result.area == area);
+    }
+    line("**all**", &|_| true);
+    let still = |result: &RunResult| measured.motionless.contains(&result.scene);
+    for area in ["terrain", "extreme"] {
+        let name = format!("*{area}, no motion asked for*");
+        line(&name, &|result| result.area == area && still(result));
     }
     text.push('\n');
 }
@@ -172,6 +210,9 @@ fn cell<'a>(results: impl Iterator<Item = &'a RunResult>) -> String {
         *scenes.entry(&result.scene).or_insert(true) &= result.first_divergence.is_none();
         exact += result.frames_exact;
         frames += result.frames_compared;
+    }
+    if scenes.is_empty() {
+        return "–".into();
     }
     let exact_scenes = scenes.values().filter(|exact| **exact).count() as u64;
     format!(
@@ -211,7 +252,10 @@ fn stages(text: &mut String, results: &[RunResult]) {
             text,
             stage,
             [
-                share(count.exact, count.compared),
+                match count.compared {
+                    0 => "–".into(),
+                    compared => share(count.exact, compared),
+                },
                 count.not_run.to_string(),
             ],
         );
@@ -234,29 +278,6 @@ fn retail(text: &mut String, results: &[RunResult]) {
         row(text, area, cells);
     }
     text.push('\n');
-}
-
-fn benches(text: &mut String, measured: &Measurements) {
-    if measured.benches.is_empty() {
-        return;
-    }
-    text.push_str("## Speed\n\nMedians of `cargo bench`, one thread.\n\n");
-    heading(text, "benchmark", &["time", "per second"]);
-    for bench in &measured.benches {
-        let rate = bench.elements.map_or("–".into(), |elements| {
-            format!("{:.2e}", elements as f64 * 1e9 / bench.median)
-        });
-        row(text, &bench.name, [duration(bench.median), rate]);
-    }
-}
-
-fn duration(nanoseconds: f64) -> String {
-    match nanoseconds {
-        ns if ns < 1e3 => format!("{ns:.1} ns"),
-        ns if ns < 1e6 => format!("{:.2} µs", ns / 1e3),
-        ns if ns < 1e9 => format!("{:.2} ms", ns / 1e6),
-        ns => format!("{:.2} s", ns / 1e9),
-    }
 }
 
 /// Distinct names in order.
@@ -284,93 +305,5 @@ fn row(text: &mut String, first: &str, cells: impl IntoIterator<Item = String>) 
     );
 }
 
-/// Results that `cargo bench` left under `target/criterion`, by name. What cannot be read is left out.
-pub fn benches_in(target: &Path) -> Vec<Bench> {
-    let files = corpus::find(
-        &target.join("criterion"),
-        &["new/estimates.json", "new\\estimates.json"],
-    )
-    .unwrap_or_default();
-    let mut benches: Vec<Bench> = files.iter().filter_map(|file| bench(file)).collect();
-    benches.sort_by(|a, b| a.name.cmp(&b.name));
-    benches
-}
-
-fn bench(estimates: &Path) -> Option<Bench> {
-    let read = |path: &Path| serde_json::from_slice::<Value>(&fs::read(path).ok()?).ok();
-    let about = read(&estimates.with_file_name("benchmark.json"))?;
-    Some(Bench {
-        name: about.get("full_id")?.as_str()?.into(),
-        median: read(estimates)?
-            .pointer("/median/point_estimate")?
-            .as_f64()?,
-        elements: about
-            .pointer("/throughput/Elements")
-            .and_then(Value::as_u64),
-    })
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::compare::Class;
-
-    fn result(mode: Mode, exact: u64) -> RunResult {
-        let stage = StageCount {
-            compared: 4,
-            exact,
-            not_run: 2,
-        };
-        RunResult {
-            scene: "area/one".into(),
-            area: "area".into(),
-            oracle: "gdle".into(),
-            profile: "gdle".into(),
-            mode,
-            guid: "0x1".into(),
-            frames_compared: 4,
-            frames_exact: exact,
-            first_divergence: None,
-            max_error: BTreeMap::new(),
-            undefined: 0,
-            class: Class::Exact,
-            not_run: 2,
-            stages: [("commit".to_owned(), stage)]
-                .into_iter()
-                .filter(|_| mode == Mode::Stage)
-                .collect(),
-        }
-    }
-
-    #[test]
-    fn the_page() {
-        let measured = Measurements {
-            vectors: vec![FnResult {
-                family: "frame".into(),
-                function: "combine".into(),
-                oracle: "gdle".into(),
-                profile: "gdle".into(),
-                total: 3,
-                exact: 2,
-                not_implemented: 1,
-                left_out: 0,
-                first_mismatch: None,
-            }],
-            runs: vec![result(Mode::Free, 4), result(Mode::Stage, 3)],
-            retail: vec![result(Mode::Free, 2)],
-            wall: Duration::from_millis(1500),
-            threads: 2,
-            benches: vec![Bench {
-                name: "group/one".into(),
-                median: 1500.0,
-                elements: Some(3),
-            }],
-        };
-        insta::assert_snapshot!(page(&measured));
-    }
-
-    #[test]
-    fn no_benchmarks_are_no_error() {
-        assert_eq!(benches_in(Path::new("/no/such/folder")), []);
-    }
-}
+mod tests;

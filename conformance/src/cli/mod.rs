@@ -6,6 +6,7 @@
 mod bless;
 mod import;
 mod run;
+mod sensitivity;
 mod status;
 mod vectors;
 
@@ -40,6 +41,8 @@ enum Command {
     Bless(bless::Args),
     /// Make traces of scenes and the files that oracles wrote for them.
     Import(import::Args),
+    /// Find the numbered differences between reconstructions that each scene is sensitive to, by setting one at a time.
+    Sensitivity(sensitivity::Args),
     /// Measure everything that is bundled and write the status page.
     Status(status::Args),
     /// Run vector files: calls of single primitives, compared bit for bit.
@@ -73,6 +76,7 @@ pub fn main() -> ExitCode {
         Command::Run(args) => run::run(&args, &simulator(args.worlds.as_deref())),
         Command::Bless(args) => bless::run(&args, &simulator(None)),
         Command::Import(args) => import::run(&args),
+        Command::Sensitivity(args) => sensitivity::run(&args, &simulator(args.worlds.as_deref())),
         Command::Status(args) => status::run(&args, &simulator(None)),
         Command::Vectors(args) => vectors::run(&args),
     };

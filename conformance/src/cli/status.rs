@@ -1,15 +1,21 @@
 //! `ac-conform status`.
 
-use std::{fs, path::PathBuf, process::ExitCode, time::Instant};
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::{Path, PathBuf},
+    process::ExitCode,
+    time::Instant,
+};
 
-use ac_golden_traces::corpus;
+use ac_golden_traces::{Scene, corpus, scene::Action, trace::TraceReader};
 use ac_replayer::Simulator;
 use miette::{IntoDiagnostic, WrapErr, miette};
 use rayon::prelude::*;
 
 use crate::{
-    run::{self, Mode, Options, cases},
-    status::{Measurements, benches_in, page},
+    run::{self, Case, Mode, Options, cases, sensitivity},
+    status::{Cost, Measurements, benches_in, costs, machine, page},
     vectors::{FnResult, run_file},
 };
 
@@ -22,6 +28,9 @@ pub struct Args {
     /// Build folder in which `cargo bench` left its results.
     #[arg(long, default_value = "target")]
     target: PathBuf,
+    /// What the example `tick_costs` of the client library printed.
+    #[arg(long, default_value = "target/tick_costs.jsonl")]
+    costs: PathBuf,
 }
 
 /// Measures everything that is bundled and writes the page.
@@ -31,11 +40,13 @@ pub struct Args {
 pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
     let root = corpus::bundled();
     let files = corpus::find(&root.join("vectors"), &[".jsonl", ".jsonl.gz"]).into_diagnostic()?;
+    let start = Instant::now();
     let vectors: Vec<Vec<FnResult>> = files
         .par_iter()
         .map(|file| run_file(file, None))
         .collect::<Result<_, _>>()
         .into_diagnostic()?;
+    let vectors_wall = start.elapsed();
     let cases = cases::find(&[root.join("traces")], None, None).into_diagnostic()?;
     let all = Options {
         modes: Mode::ALL.into(),
@@ -51,15 +62,25 @@ pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
     let runs = run::run(simulator, &cases, &all, || ());
     let wall = start.elapsed();
     let retail = run::run(simulator, &cases, &free, || ());
-    if let Some(error) = runs.errors.iter().chain(&retail.errors).next() {
+    let start = Instant::now();
+    let sensitivity = sensitivity::run(simulator, &cases, None, || ());
+    let sensitivity_wall = start.elapsed();
+    let errors = [&runs.errors, &retail.errors, &sensitivity.errors];
+    if let Some(error) = errors.into_iter().flatten().next() {
         return Err(miette!("{error}"));
     }
     let measured = Measurements {
+        machine: machine(),
         vectors: vectors.concat(),
         runs: runs.results,
+        motionless: motionless(&cases)?,
         retail: retail.results,
+        sensitivity: sensitivity.scenes,
+        vectors_wall,
         wall,
+        sensitivity_wall,
         threads: rayon::current_num_threads(),
+        costs: tick_costs(&args.costs)?,
         benches: benches_in(&args.target),
     };
     let context = || format!("cannot write {}", args.output.display());
@@ -68,4 +89,50 @@ pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
         .wrap_err_with(context)?;
     println!("wrote {}", args.output.display());
     Ok(ExitCode::SUCCESS)
+}
+
+/// Names of the scenes whose script asks no entity to move, turn or jump by itself.
+fn motionless(cases: &[Case]) -> miette::Result<BTreeSet<String>> {
+    let mut names = BTreeSet::new();
+    for case in cases {
+        let scene = match case {
+            Case::Trace(path) => TraceReader::open(path).map(|reader| reader.scene().clone()),
+            Case::Files { scene, .. } => Scene::open(scene),
+        }
+        .into_diagnostic()?;
+        if !scene
+            .script
+            .iter()
+            .any(|step| asks_for_motion(&step.action))
+        {
+            names.insert(scene.name);
+        }
+    }
+    Ok(names)
+}
+
+fn asks_for_motion(action: &Action) -> bool {
+    matches!(
+        action,
+        Action::DoMotion { .. }
+            | Action::DoInterpretedMotion { .. }
+            | Action::Jump { .. }
+            | Action::MoveToPosition { .. }
+            | Action::MoveToObject { .. }
+            | Action::TurnToHeading { .. }
+            | Action::TurnToObject { .. }
+            | Action::StickTo { .. }
+            | Action::InterpolateTo { .. }
+    )
+}
+
+/// Costs of a tick, if they were measured.
+fn tick_costs(path: &Path) -> miette::Result<Vec<Cost>> {
+    if !path.is_file() {
+        return Ok(Vec::new());
+    }
+    let text = fs::read(path).into_diagnostic()?;
+    costs(&text)
+        .into_diagnostic()
+        .wrap_err_with(|| format!("{} is not what tick_costs prints", path.display()))
 }

@@ -8,6 +8,7 @@ pub mod baseline;
 pub mod cases;
 pub mod report;
 mod runner;
+pub mod sensitivity;
 
 use std::{collections::BTreeMap, path::PathBuf};
 

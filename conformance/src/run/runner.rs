@@ -87,7 +87,9 @@ fn run_files(
             });
         }
         for file in expect {
-            expectation_file(&mut run, &scene, file)?;
+            expectation_file(&scene, file, |oracle, frame, states| {
+                run.states(oracle, frame, states)
+            })?;
         }
     }
     if options.modes.contains(&Mode::Stage) {
@@ -109,7 +111,12 @@ fn check_scene(path: &Path, scene: &Scene, named: &str) -> Result<(), RunError> 
     })
 }
 
-fn expectation_file(run: &mut CaseRun<'_>, scene: &Scene, file: &Path) -> Result<(), RunError> {
+/// Hands the states of an expected-state trace to `visit`, frame by frame: oracle, frame, states.
+pub(super) fn expectation_file(
+    scene: &Scene,
+    file: &Path,
+    mut visit: impl FnMut(&str, i32, &FrameStates) -> Result<(), RunError>,
+) -> Result<(), RunError> {
     let mut reader = ExpectReader::open(file)?;
     check_scene(file, scene, &reader.header.scene)?;
     let oracle = reader.header.oracle.clone();
@@ -123,9 +130,30 @@ fn expectation_file(run: &mut CaseRun<'_>, scene: &Scene, file: &Path) -> Result
             std::mem::swap(states.push(frame, next.time, next.guid), &mut next);
             more = reader.next_into(&mut next)?;
         }
-        run.states(&oracle, frame, &states)?;
+        visit(&oracle, frame, &states)?;
     }
     Ok(())
+}
+
+/// Refuses a frame that is not in the scene, or comes before `next`, the first that has not been run yet.
+pub(super) fn check_frame(
+    path: &Path,
+    scene: &Scene,
+    oracle: &str,
+    frame: i32,
+    next: i32,
+) -> Result<(), RunError> {
+    let reason = if i64::from(frame) >= scene.frame_count().into() {
+        format!("oracle {oracle} has frame {frame}, the scene ends before it")
+    } else if frame < next {
+        format!("oracle {oracle} has frame {frame} out of order")
+    } else {
+        return Ok(());
+    };
+    Err(RunError::Expectation {
+        path: path.into(),
+        reason,
+    })
 }
 
 fn stage_file(run: &mut CaseRun<'_>, scene: &Scene, file: &Path) -> Result<(), RunError> {
@@ -186,21 +214,8 @@ impl<'a> CaseRun<'a> {
             self.frame_runs.insert(oracle.into(), runs);
         }
         let (path, scene) = (self.path, self.scene);
-        let bad = |reason| RunError::Expectation {
-            path: path.into(),
-            reason,
-        };
         for run in self.frame_runs.get_mut(oracle).into_iter().flatten() {
-            if i64::from(frame) >= scene.frame_count().into() {
-                return Err(bad(format!(
-                    "oracle {oracle} has frame {frame}, the scene ends before it"
-                )));
-            }
-            if frame < run.next_frame {
-                return Err(bad(format!(
-                    "oracle {oracle} has frame {frame} out of order"
-                )));
-            }
+            check_frame(path, scene, oracle, frame, run.next_frame)?;
             run.advance(frame, expected)
                 .map_err(|source| RunError::Simulation {
                     path: path.into(),
