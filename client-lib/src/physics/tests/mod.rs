@@ -5,6 +5,7 @@ mod clock;
 mod managers;
 mod membership;
 mod placement;
+mod statics;
 
 use std::sync::{Arc, OnceLock};
 
