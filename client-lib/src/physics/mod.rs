@@ -11,6 +11,10 @@ pub mod contacts;
 #[cfg(test)]
 mod contacts_tests;
 mod frames;
+#[doc(hidden)]
+pub mod fuzzing;
+#[cfg(test)]
+mod fuzzing_tests;
 mod hooks;
 pub mod integrator;
 #[cfg(test)]
@@ -25,6 +29,8 @@ mod other_updates;
 pub mod placement;
 pub mod state;
 mod state_change;
+#[cfg(test)]
+mod tests;
 pub mod transition;
 mod transition_setup;
 pub mod update;

@@ -317,7 +317,7 @@ impl Landscape {
         self.statics.get(id.0 as usize)?.as_deref()
     }
 
-    pub(super) fn static_object_mut(&mut self, id: StaticId) -> Option<&mut StaticObject> {
+    pub(crate) fn static_object_mut(&mut self, id: StaticId) -> Option<&mut StaticObject> {
         self.statics.get_mut(id.0 as usize)?.as_deref_mut()
     }
 

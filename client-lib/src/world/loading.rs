@@ -484,6 +484,7 @@ impl World {
         };
         object.place(position, &self.profile);
         object.body.cell = Some(cell);
+        object.update_time = self.clock.now;
         let animated = object.body.state.contains(PhysicsState::HAS_DEFAULT_ANIM);
         let id = self.land.insert_static(object);
         if animated {

@@ -7,7 +7,7 @@ use super::resources::Resources;
 use crate::animation::PartArray;
 use crate::dat::StoredFrame;
 use crate::entity::Entity;
-use crate::math::{Frame, Position};
+use crate::math::{Frame, Position, Vec3};
 use crate::physics::body::{Body, WeenieFlags};
 use crate::physics::state::PhysicsState;
 use crate::profile::Profile;
@@ -38,6 +38,10 @@ pub struct StaticObject {
     pub portals: Vec<BuildingPortal>,
     /// Leaves of a building's drawing tree.
     pub leaf_count: u32,
+    /// Rotation of an animated object, world axes, rad per update (06 B9).
+    pub omega: Vec3,
+    /// How far the animation was advanced, s on the frame clock.
+    pub update_time: f64,
 }
 
 /// Frame of a dat record.
@@ -94,6 +98,8 @@ impl StaticObject {
             model,
             portals: Vec::new(),
             leaf_count: 0,
+            omega: Vec3::ZERO,
+            update_time: 0.0,
         })
     }
 

@@ -7,6 +7,8 @@
 mod cipher;
 mod connection;
 mod fragment;
+#[doc(hidden)]
+pub mod fuzzing;
 mod hash;
 mod isaac;
 mod login;

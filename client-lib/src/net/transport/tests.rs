@@ -376,3 +376,42 @@ fn naks_name_only_what_is_missing() {
         .collect();
     assert_eq!(wanted, [2, 3]);
 }
+
+/// A deterministic smoke of the fuzz target `transport`: worked packets, damaged by a small generator.
+#[test]
+fn damaged_datagrams() {
+    let seeds = [
+        "00 00 00 00 00 40 00 00 EB B0 FA BA 07 00 05 00 04 00 00 00 03 00 00 00",
+        "00 00 00 00 00 10 00 00 0A 81 06 BB 07 00 05 00 10 00 00 00
+         03 00 00 00 05 00 00 00 06 00 00 00 08 00 00 00",
+        "02 00 00 00 06 00 00 00 39 FB 5E 68 07 00 08 00 14 00 00 00
+         01 00 00 00 00 00 00 00 01 00 14 00 00 00 04 00  C8 F7 00 00",
+        "00 00 00 00 00 00 01 00 60 00 65 8E 00 00 00 00 30 00 00 00
+        04 00 31 38 30 32 00 00  24 00 00 00  02 00 00 00 01 00 00 00 00 10 5E 5F
+        06 00 74 65 73 74 65 72  00 00 00 00  07 00 00 00 06 73 65 63 72 65 74 00",
+    ]
+    .map(bytes);
+    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+    let mut next = |below: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 16) as usize % below
+    };
+    for _ in 0..300 {
+        let mut data = Vec::new();
+        for _ in 0..=next(6) {
+            let mut datagram = seeds[next(seeds.len())].clone();
+            for _ in 0..next(4) {
+                let at = next(datagram.len());
+                datagram[at] ^= 1 << next(8);
+            }
+            if next(4) == 0 {
+                datagram.truncate(next(datagram.len()));
+            }
+            data.push(datagram.len() as u8);
+            data.extend(datagram);
+        }
+        fuzzing::transport(&data);
+    }
+}
