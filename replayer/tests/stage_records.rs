@@ -10,7 +10,15 @@ use ac_replayer::client::ClientSimulator;
 use serde_json::Value;
 
 /// Stages whose records must all be met.
-const EXACT: [&str; 1] = ["transition"];
+const EXACT: [&str; 7] = [
+    "animation",
+    "adjust",
+    "integrate",
+    "hooks",
+    "transition",
+    "commit",
+    "motion",
+];
 
 #[derive(Default)]
 struct Tally {
