@@ -247,7 +247,8 @@ impl Output {
                 d: kin.contact_plane.d,
                 cell: kin.contact_plane_cell_id.0,
             }),
-            sliding_normal: has(TransientState::SLIDING).then(|| VecSpec(kin.sliding_normal.into())),
+            sliding_normal: has(TransientState::SLIDING)
+                .then(|| VecSpec(kin.sliding_normal.into())),
             cached_velocity: kin.cached_velocity.into(),
             cell_change,
             shadow_cells: body.shadows.iter().map(|shadow| shadow.id.0).collect(),

@@ -90,12 +90,19 @@ fn beside(
             TickStage::Hooks => hooks::run(entity, world, input, animation),
             TickStage::Commit => commit::run(entity, world, &read(input)?, before("transition")),
             _ => {
-                let untouched = before("hooks").is_none();
+                // Hooks, landing and leaving the ground change what is played.
+                let untouched = before("hooks").is_none() && before("commit").is_none_or(is_calm);
                 motion::run(entity, world, input, animation.filter(|_| untouched))
             }
         },
     );
     out.transpose()
+}
+
+/// Whether nothing happened in a stage.
+fn is_calm(record: &Value) -> bool {
+    let events = record.pointer("/out/events").and_then(Value::as_array);
+    events.is_some_and(Vec::is_empty)
 }
 
 /// Adds an entity's motion state to an output.
