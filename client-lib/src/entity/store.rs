@@ -129,6 +129,35 @@ impl Entities {
         self.slots.get_mut(id.0 as usize)?.take()
     }
 
+    /// Every object that is not taken out, in the object table or not, in order of creation.
+    pub fn iter(&self) -> impl Iterator<Item = &Entity> {
+        self.slots.iter().filter_map(Option::as_deref)
+    }
+
+    /// Takes in an object of another store under the handle it has there, and enters it in the object table if it was `registered` there.
+    /// What was known under that handle ends.
+    pub fn adopt(&mut self, entity: Box<Entity>, registered: bool) {
+        let (id, guid) = (entity.id, entity.guid());
+        let index = id.0 as usize;
+        if self.slots.len() <= index {
+            self.slots.resize_with(index + 1, || None);
+            self.registered.resize(index + 1, false);
+        }
+        self.remove(id);
+        self.put(entity);
+        if registered {
+            self.register(id, guid);
+        }
+    }
+
+    /// Ends the existence of all objects.
+    pub fn clear(&mut self) {
+        self.slots.iter_mut().for_each(|slot| *slot = None);
+        self.registered.fill(false);
+        self.table.clear();
+        self.by_guid.clear();
+    }
+
     /// Puts an object back.
     pub fn put(&mut self, entity: Box<Entity>) {
         let index = entity.id.0 as usize;

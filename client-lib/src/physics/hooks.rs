@@ -14,7 +14,7 @@ const HOOK_LIMIT: usize = 1 << 16;
 
 impl Entity {
     /// Executes timed hooks, then the queued animation hooks, those included that are queued meanwhile (`process_hooks`).
-    pub(crate) fn process_hooks(&mut self, world: &mut World) {
+    pub fn process_hooks(&mut self, world: &mut World) {
         if !self.hooks.is_empty() {
             self.process_timed_hooks(world);
         }

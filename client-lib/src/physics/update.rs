@@ -445,10 +445,7 @@ impl Entity {
             data,
             Side::Before,
         );
-        let moved = self.body.position.offset_to(&result.position);
-        self.kin.cached_velocity =
-            Vec3::new(moved.x / quantum, moved.y / quantum, moved.z / quantum);
-        self.set_position_internal(result, world);
+        self.take_transit(result, quantum, world);
         observe(
             self,
             world,
@@ -458,6 +455,14 @@ impl Entity {
             data,
             Side::After,
         );
+    }
+
+    /// Moves to where a transition of `quantum` s ended (B4 step 6b; C2).
+    pub fn take_transit(&mut self, result: &TransitionResult, quantum: f32, world: &mut World) {
+        let moved = self.body.position.offset_to(&result.position);
+        self.kin.cached_velocity =
+            Vec3::new(moved.x / quantum, moved.y / quantum, moved.z / quantum);
+        self.set_position_internal(result, world);
     }
 
     /// Keeps the origin and takes the rotation.
@@ -482,6 +487,20 @@ impl Entity {
             data,
             Side::Before,
         );
+        self.keep_place(wanted, kind, world);
+        observe(
+            self,
+            world,
+            probe,
+            TickStage::Commit,
+            quantum,
+            data,
+            Side::After,
+        );
+    }
+
+    /// Keeps the origin and takes the rotation of the wanted frame: every kind of commit but that of a transition (B4 steps 6 and 7).
+    pub fn keep_place(&mut self, wanted: Frame, kind: CommitKind, world: &mut World) {
         let mut frame = wanted;
         // Profile `ace` keeps the tiny displacement of an object that "has not moved" (O-05).
         let keeps_displacement =
@@ -501,15 +520,6 @@ impl Entity {
             self.set_frame(frame, world);
         }
         self.kin.cached_velocity = Vec3::ZERO;
-        observe(
-            self,
-            world,
-            probe,
-            TickStage::Commit,
-            quantum,
-            data,
-            Side::After,
-        );
     }
 
     /// Targets, move-to, completed motions, position managers (B4 steps 9 to 12).
@@ -548,7 +558,7 @@ impl Entity {
     }
 
     /// The managers of one quantum, in the client's order.
-    pub(crate) fn run_managers(&mut self, world: &mut World) {
+    pub fn run_managers(&mut self, world: &mut World) {
         if self.target_manager.is_some() {
             self.handle_targetting(world);
         }

@@ -30,6 +30,9 @@ pub struct SceneRun {
     next_step: usize,
     /// Notes about creations, in order.
     notes: Vec<String>,
+    source: Arc<DatSet>,
+    /// The same scene beside stage records; made by the first that needs it.
+    companion: Option<Box<stages::Companion>>,
 }
 
 /// An entity of the scene.
@@ -129,14 +132,16 @@ impl SceneRun {
         source: Arc<DatSet>,
         profile: &Profile,
     ) -> Result<Self, SimulationError> {
-        let source: Arc<dyn WorldSource> = source;
+        let map: Arc<dyn WorldSource> = Arc::clone(&source) as _;
         let mut run = Self {
-            world: World::with_source(profile.clone(), scene.start_time, source),
+            world: World::with_source(profile.clone(), scene.start_time, map),
             scene: scene.clone(),
             pipeline: Pipeline::default(),
             objects: BTreeMap::new(),
             next_step: 0,
             notes: Vec::new(),
+            source,
+            companion: None,
         };
         for spec in &scene.entities {
             create(spec, &mut run.objects, &mut run.notes, &mut run.world);
@@ -176,6 +181,25 @@ impl SceneRun {
         };
         self.pipeline
             .run_frame_probed(&mut self.world, now, &mut input, probe);
+    }
+
+    /// The scene beside stage records, at the end of a frame.
+    pub(super) fn companion(
+        &mut self,
+        frame: u32,
+    ) -> Result<&mut stages::Companion, SimulationError> {
+        let made = self.companion.take().filter(|c| !c.has_passed(frame));
+        let made = match made {
+            Some(made) => made,
+            None => Box::new(stages::Companion::new(
+                &self.scene,
+                &self.source,
+                &self.world.profile,
+            )?),
+        };
+        let companion = self.companion.insert(made);
+        companion.advance_to(frame);
+        Ok(companion)
     }
 
     /// Writes the records of the tracked entities.

@@ -15,10 +15,10 @@ use serde_json::Value;
 
 use super::super::entity::position;
 use super::shapes::{frame, frame_spec, position_spec};
-use super::{SceneRun, with_stand_in};
+use super::{SceneRun, read, with_stand_in};
 use crate::simulation::SimulationError;
 
-#[derive(Debug, Deserialize, Serialize)]
+#[derive(Debug, PartialEq, Deserialize, Serialize)]
 struct Interpolation {
     queue: Vec<PositionSpec>,
     keep_heading: bool,
@@ -31,7 +31,7 @@ struct Interpolation {
     blip: Option<PositionSpec>,
 }
 
-#[derive(Debug, Deserialize, Serialize)]
+#[derive(Debug, PartialEq, Deserialize, Serialize)]
 struct Sticky {
     #[serde(with = "number::hex")]
     target: u32,
@@ -42,7 +42,7 @@ struct Sticky {
     timeout: f64,
 }
 
-#[derive(Debug, Deserialize, Serialize)]
+#[derive(Debug, PartialEq, Deserialize, Serialize)]
 struct Constraint {
     on: bool,
     #[serde(with = "number::f32")]
@@ -51,6 +51,14 @@ struct Constraint {
     max: f32,
     #[serde(with = "number::f32")]
     offset: f32,
+}
+
+/// The managers of a position manager.
+#[derive(Debug, Deserialize)]
+pub(super) struct Managers {
+    interpolation: Option<Interpolation>,
+    sticky: Option<Sticky>,
+    constraint: Option<Constraint>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -63,9 +71,6 @@ pub(super) struct Input {
     transient: u32,
     #[serde(with = "number::f32")]
     speed_rate: f32,
-    interpolation: Option<Interpolation>,
-    sticky: Option<Sticky>,
-    constraint: Option<Constraint>,
     target_now: Option<PositionSpec>,
 }
 
@@ -81,20 +86,27 @@ struct Output {
 pub(super) fn run(
     run: &mut SceneRun,
     spec: &EntitySpec,
-    input: &Input,
+    input: &Value,
 ) -> Result<Value, SimulationError> {
     let run_rate = spec.run_rate;
+    let managers = read::<Managers>(input)?.manager();
+    let input: Input = read(input)?;
     let out = with_stand_in(run, spec, |entity, world| {
-        adjust(entity, input, run_rate, &world.profile)
+        adjust(entity, &input, managers, run_rate, &world.profile)
     })?;
     super::write(&out)
 }
 
-fn adjust(entity: &Entity, input: &Input, run_rate: f32, profile: &Profile) -> Output {
+fn adjust(
+    entity: &Entity,
+    input: &Input,
+    mut managers: PositionManager,
+    run_rate: f32,
+    profile: &Profile,
+) -> Output {
     let own = position(&input.position);
     let contact =
         TransientState::from_bits_retain(input.transient).contains(TransientState::CONTACT);
-    let mut managers = managers(input);
     let mut offset = frame(&input.offset);
     let mut acted = Vec::new();
     let sticky = managers.sticky_target() != 0;
@@ -137,31 +149,48 @@ fn adjust(entity: &Entity, input: &Input, run_rate: f32, profile: &Profile) -> O
     }
 }
 
-fn managers(input: &Input) -> PositionManager {
-    PositionManager {
-        interpolation: input.interpolation.as_ref().map(|i| InterpolationManager {
-            queue: i.queue.iter().map(node).collect(),
-            keep_heading: i.keep_heading,
-            frame_counter: i.frame_counter,
-            original_distance: i.original_distance,
-            progress_quantum: i.progress_quantum,
-            node_fail_counter: i.fails,
-            blip_to: i.blip.as_ref().map(position),
-            broken: false,
-        }),
-        sticky: input.sticky.as_ref().map(|s| StickyManager {
-            target_id: s.target,
-            target_radius: s.radius,
-            target_position: position(&s.target_position),
-            initialized: s.initialized,
-            timeout: s.timeout,
-        }),
-        constraint: input.constraint.as_ref().map(|c| ConstraintManager {
-            constrained: c.on,
-            pos_offset: c.offset,
-            start: c.start,
-            max: c.max,
-        }),
+impl Managers {
+    /// Sets the managers of an entity; one whose record is the same keeps what records do not say.
+    pub(super) fn apply(&self, manager: &mut Option<Box<PositionManager>>) {
+        let none = self.interpolation.is_none() && self.sticky.is_none();
+        if manager.is_none() && none && self.constraint.is_none() {
+            return;
+        }
+        let manager = manager.get_or_insert_default();
+        let recorded = self.manager();
+        if manager.interpolation.as_ref().map(interpolation_spec) != self.interpolation {
+            manager.interpolation = recorded.interpolation;
+        }
+        manager.sticky = recorded.sticky;
+        manager.constraint = recorded.constraint;
+    }
+
+    fn manager(&self) -> PositionManager {
+        PositionManager {
+            interpolation: self.interpolation.as_ref().map(|i| InterpolationManager {
+                queue: i.queue.iter().map(node).collect(),
+                keep_heading: i.keep_heading,
+                frame_counter: i.frame_counter,
+                original_distance: i.original_distance,
+                progress_quantum: i.progress_quantum,
+                node_fail_counter: i.fails,
+                blip_to: i.blip.as_ref().map(position),
+                broken: false,
+            }),
+            sticky: self.sticky.as_ref().map(|s| StickyManager {
+                target_id: s.target,
+                target_radius: s.radius,
+                target_position: position(&s.target_position),
+                initialized: s.initialized,
+                timeout: s.timeout,
+            }),
+            constraint: self.constraint.as_ref().map(|c| ConstraintManager {
+                constrained: c.on,
+                pos_offset: c.offset,
+                start: c.start,
+                max: c.max,
+            }),
+        }
     }
 }
 

@@ -3,13 +3,14 @@
 use ac_client::animation::{AnimSequenceNode, AnimationSource, Sequence};
 use ac_client::math::{Frame, Vec3};
 use ac_client::physics::state::TransientState;
+use ac_client::world::World;
 use ac_golden_traces::number;
 use ac_golden_traces::scene::OffsetSpec;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::shapes::frame_spec;
-use super::{SceneRun, bad};
+use super::{SceneRun, bad, read};
 use crate::simulation::SimulationError;
 
 #[derive(Debug, Deserialize, Serialize)]
@@ -30,6 +31,11 @@ pub(super) struct Input {
     scale: f32,
     #[serde(with = "number::hex")]
     transient: u32,
+}
+
+/// A sequence as it is being played: a part of `in` and of `out`.
+#[derive(Debug, Deserialize)]
+pub(super) struct Played {
     sequence: Vec<Node>,
     current: i64,
     frame_number: f64,
@@ -37,6 +43,28 @@ pub(super) struct Input {
     velocity: [f32; 3],
     #[serde(with = "number::floats")]
     omega: [f32; 3],
+}
+
+impl Played {
+    /// The sequence.
+    pub(super) fn sequence(&self, world: &mut World) -> Result<Sequence, SimulationError> {
+        let mut nodes = Vec::with_capacity(self.sequence.len());
+        for node in &self.sequence {
+            let animation = world
+                .resources
+                .animation(node.anim)
+                .ok_or_else(|| bad(format!("animation {:#X} does not exist", node.anim)))?;
+            let node = AnimSequenceNode::from_state(animation, node.low, node.high, node.framerate);
+            nodes.push(node);
+        }
+        Ok(Sequence::from_state(
+            nodes,
+            usize::try_from(self.current).ok(),
+            self.frame_number,
+            Vec3::from(self.velocity),
+            Vec3::from(self.omega),
+        ))
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -53,24 +81,10 @@ struct Output {
     hooks: Vec<u32>,
 }
 
-pub(super) fn run(run: &mut SceneRun, input: &Input) -> Result<Value, SimulationError> {
+pub(super) fn run(run: &mut SceneRun, input: &Value) -> Result<Value, SimulationError> {
     let world = &mut run.world;
-    let mut nodes = Vec::with_capacity(input.sequence.len());
-    for node in &input.sequence {
-        let animation = world
-            .resources
-            .animation(node.anim)
-            .ok_or_else(|| bad(format!("animation {:#X} does not exist", node.anim)))?;
-        let node = AnimSequenceNode::from_state(animation, node.low, node.high, node.framerate);
-        nodes.push(node);
-    }
-    let mut sequence = Sequence::from_state(
-        nodes,
-        usize::try_from(input.current).ok(),
-        input.frame_number,
-        Vec3::from(input.velocity),
-        Vec3::from(input.omega),
-    );
+    let mut sequence = read::<Played>(input)?.sequence(world)?;
+    let input: Input = read(input)?;
     let mut offset = Frame::IDENTITY;
     let mut hooks = Vec::new();
     sequence

@@ -1,5 +1,6 @@
 //! Common shapes of stage records.
 
+use ac_client::entity::Entity;
 use ac_client::math::{CellId, Frame, Position, Vec3};
 use ac_golden_traces::number;
 use ac_golden_traces::scene::{OffsetSpec, PositionSpec};
@@ -11,6 +12,22 @@ use super::super::entity;
 #[derive(Debug, Clone, Copy, Deserialize, Serialize)]
 #[serde(transparent)]
 pub(super) struct VecSpec(#[serde(with = "number::floats")] pub [f32; 3]);
+
+/// An id.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(transparent)]
+pub(super) struct Hex(#[serde(with = "number::hex")] pub u32);
+
+/// Events since they were last cleared, as records have them.
+pub(super) fn events(entity: &Entity) -> Vec<String> {
+    entity.events.iter().map(ToString::to_string).collect()
+}
+
+/// Animations being played, as records have them.
+pub(super) fn sequence(entity: &Entity) -> Vec<u32> {
+    let nodes = entity.part_array().map(|parts| parts.sequence.nodes());
+    nodes.map_or_else(Vec::new, |nodes| nodes.map(|n| n.animation_id()).collect())
+}
 
 /// A frame.
 pub(super) fn frame(spec: &OffsetSpec) -> Frame {

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::super::entity::{self, position, quat};
-use super::shapes::position_spec;
+use super::shapes::{Hex, position_spec};
 use super::{Head, SceneRun, bad, spec_of, write};
 use crate::simulation::SimulationError;
 
@@ -25,9 +25,6 @@ const WEENIE_BITS: ObjectInfoState = ObjectInfoState::IS_PLAYER
     .union(ObjectInfoState::IS_IMPENETRABLE)
     .union(ObjectInfoState::IS_PK)
     .union(ObjectInfoState::IS_PK_LITE);
-
-#[derive(Debug, Deserialize, Serialize)]
-struct Hex(#[serde(with = "number::hex")] u32);
 
 #[derive(Debug, Deserialize, Serialize)]
 struct Vector(#[serde(with = "number::floats")] [f32; 3]);
@@ -44,7 +41,7 @@ struct SphereRecord {
 }
 
 #[derive(Debug, Deserialize, Serialize)]
-struct PlaneRecord {
+pub(super) struct PlaneRecord {
     valid: bool,
     #[serde(with = "number::floats")]
     n: [f32; 3],
