@@ -18,7 +18,11 @@ use ac_golden_traces::{
 use clap::{Parser, Subcommand};
 use miette::{IntoDiagnostic, WrapErr, miette};
 
-use crate::{Simulator, client::ClientSimulator, replay::replay};
+use crate::{
+    Simulator,
+    client::ClientSimulator,
+    replay::{Detail, replay},
+};
 
 /// The command could not run.
 pub const COULD_NOT_RUN: u8 = 2;
@@ -52,6 +56,9 @@ struct RunArgs {
     /// Behaviour to run under.
     #[arg(long, default_value = "retail")]
     profile: String,
+    /// Also write what goes into and comes out of every stage of every entity's tick.
+    #[arg(long)]
+    checkpoints: bool,
     /// The trace to write.
     #[arg(short, long)]
     output: PathBuf,
@@ -117,13 +124,18 @@ fn run(args: &RunArgs) -> miette::Result<()> {
     let mut simulation = ClientSimulator::new(worlds)
         .start(&scene, &profile)
         .into_diagnostic()?;
+    let detail = if args.checkpoints {
+        Detail::Checkpoints
+    } else {
+        Detail::States
+    };
     let context = || format!("cannot write {}", args.output.display());
     let out = BufWriter::new(
         File::create(&args.output)
             .into_diagnostic()
             .wrap_err_with(context)?,
     );
-    let frames = replay(simulation.as_mut(), &scene, &text, &info, out)
+    let frames = replay(simulation.as_mut(), &scene, &text, &info, detail, out)
         .into_diagnostic()
         .wrap_err_with(context)?;
     println!(

@@ -1,8 +1,10 @@
 //! Drives the client library from scenes, deterministically.
 //!
 //! [`simulation`] is the seam: what the replayer and the conformance harness need of a client, and nothing else. [`client`]
-//! puts the client library behind it. [`replay`] runs a scene and writes what it produced as a trace.
+//! puts the client library behind it. [`replay`] runs a scene and writes what it produced as a trace, [`checkpoints`] what went
+//! into and came out of each stage on the way.
 
+pub mod checkpoints;
 pub mod cli;
 pub mod client;
 pub mod dat_cmd;

@@ -5,7 +5,8 @@ use std::io::{Seek, Write};
 use ac_client::frame::FrameStates;
 use ac_golden_traces::{
     Scene,
-    trace::{ChannelKind, Compression, TraceInfo, TraceWriter},
+    expect::STAGES_SCHEMA,
+    trace::{ChannelHeader, ChannelKind, Compression, TraceInfo, TraceWriter},
 };
 
 use crate::{Simulation, SimulationError};
@@ -24,8 +25,18 @@ pub enum ReplayError {
     Io(#[from] std::io::Error),
 }
 
-/// Runs `simulation`, which stands before frame -1 of `scene`, and writes a trace with channel `/states`. Answers the number
-/// of frames.
+/// What a trace holds beside the states.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Detail {
+    /// Nothing.
+    #[default]
+    States,
+    /// The checkpoints of every stage, on channel `/stages/PROFILE`.
+    Checkpoints,
+}
+
+/// Runs `simulation`, which stands before frame -1 of `scene`, and writes a trace with channel `/states` and what `detail`
+/// names. Answers the number of frames.
 ///
 /// # Errors
 /// When the simulation cannot go on or writing fails.
@@ -34,27 +45,46 @@ pub fn replay<W: Write + Seek>(
     scene: &Scene,
     scene_text: &[u8],
     info: &TraceInfo,
+    detail: Detail,
     out: W,
 ) -> Result<u32, ReplayError> {
     let mut writer = TraceWriter::new(out, info, scene_text, Compression::Fast)?;
     for kind in [ChannelKind::Clock, ChannelKind::Script, ChannelKind::States] {
         writer.add_channel(kind, None)?;
     }
+    if detail == Detail::Checkpoints {
+        let header = checkpoint_header(info);
+        writer.add_channel(ChannelKind::Stages(info.profile.clone()), Some(&header))?;
+    }
     let mut states = FrameStates::new();
+    let mut records = Vec::new();
     simulation.frame_minus_one(&mut states)?;
     writer.write_states(&ChannelKind::States, -1, scene.start_time, &states)?;
     for (frame, time) in (0u32..).zip(scene.times()) {
         writer.write_inputs(scene, frame, time)?;
         states.clear();
-        simulation.step(frame, &mut states)?;
         // A scene has fewer than 2^31 frames.
-        writer.write_states(
-            &ChannelKind::States,
-            i32::try_from(frame).unwrap_or(i32::MAX),
-            time,
-            &states,
-        )?;
+        let number = i32::try_from(frame).unwrap_or(i32::MAX);
+        match detail {
+            Detail::States => simulation.step(frame, &mut states)?,
+            Detail::Checkpoints => {
+                records.clear();
+                simulation.step_with_checkpoints(frame, &mut states, &mut records)?;
+                writer.write_stages(&info.profile, number, time, &records)?;
+            }
+        }
+        writer.write_states(&ChannelKind::States, number, time, &states)?;
     }
     writer.finish()?.flush()?;
     Ok(scene.frame_count())
+}
+
+fn checkpoint_header(info: &TraceInfo) -> ChannelHeader {
+    ChannelHeader {
+        schema: STAGES_SCHEMA.into(),
+        scene: info.scene.clone(),
+        oracle: info.profile.clone(),
+        oracle_version: info.producer.clone().into(),
+        notes: Vec::new(),
+    }
 }

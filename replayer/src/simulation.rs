@@ -9,7 +9,7 @@ use ac_client::{
     profile::Profile,
 };
 use ac_golden_traces::Scene;
-use serde_json::Value;
+use serde_json::{Value, value::RawValue};
 
 /// Starts simulations. Shared between threads: what is expensive to make (parsed worlds) is kept here.
 pub trait Simulator: Sync {
@@ -38,6 +38,21 @@ pub trait Simulation {
     /// # Errors
     /// When the simulation cannot go on.
     fn step(&mut self, frame: u32, out: &mut FrameStates) -> Result<(), SimulationError>;
+
+    /// As [`Simulation::step`], and appends a record of each stage that ran (`spec/stage-format.md`) to `checkpoints`. A client
+    /// that has no named stages appends none.
+    ///
+    /// # Errors
+    /// When the simulation cannot go on.
+    fn step_with_checkpoints(
+        &mut self,
+        frame: u32,
+        out: &mut FrameStates,
+        checkpoints: &mut Vec<Box<RawValue>>,
+    ) -> Result<(), SimulationError> {
+        let _ = checkpoints;
+        self.step(frame, out)
+    }
 
     /// Sets every field that `expected` carries into the entity `expected.guid`; what the record does not carry stays. Does
     /// nothing for an entity that is not there.

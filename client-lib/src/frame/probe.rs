@@ -5,7 +5,7 @@
 
 use crate::entity::Entity;
 use crate::math::Frame;
-use crate::physics::transition::{TransitionInput, TransitionResult};
+use crate::physics::transition::{Transit, TransitionInput, TransitionResult};
 use crate::physics::update::CommitKind;
 use crate::world::World;
 
@@ -72,6 +72,8 @@ pub enum StageData<'a> {
     Transition {
         /// Start, goal and mover.
         input: &'a TransitionInput,
+        /// The transition that is about to run or has run; see [`World::transition_start`].
+        transit: &'a Transit,
         /// The result, after the stage.
         result: Option<&'a TransitionResult>,
     },

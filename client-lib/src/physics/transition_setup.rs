@@ -152,6 +152,7 @@ impl Entity {
         let input = self.movement_input(goal, world);
         let data = StageData::Transition {
             input: &input,
+            transit: &transit,
             result: None,
         };
         observe(
@@ -170,6 +171,7 @@ impl Entity {
         }
         let data = StageData::Transition {
             input: &input,
+            transit: &transit,
             result: Some(&transit.result),
         };
         observe(

@@ -11,10 +11,11 @@ use ac_client::profile::Profile;
 use ac_client::world::{World, WorldSource};
 use ac_golden_traces::Scene;
 use ac_golden_traces::scene::{Action, EntitySpec, ScriptStep};
-use serde_json::Value;
+use serde_json::{Value, value::RawValue};
 
 use super::entity::{self, CreationNote};
 use super::{script, stages};
+use crate::checkpoints::CheckpointProbe;
 use crate::simulation::{Simulation, SimulationError};
 
 /// A scene that runs.
@@ -250,6 +251,17 @@ impl Simulation for SceneRun {
 
     fn step(&mut self, frame: u32, out: &mut FrameStates) -> Result<(), SimulationError> {
         self.run_frame(frame, &mut NoProbe);
+        self.write_records(i32::try_from(frame).unwrap_or(i32::MAX), out);
+        Ok(())
+    }
+
+    fn step_with_checkpoints(
+        &mut self,
+        frame: u32,
+        out: &mut FrameStates,
+        checkpoints: &mut Vec<Box<RawValue>>,
+    ) -> Result<(), SimulationError> {
+        self.run_frame(frame, &mut CheckpointProbe::new(frame, checkpoints));
         self.write_records(i32::try_from(frame).unwrap_or(i32::MAX), out);
         Ok(())
     }

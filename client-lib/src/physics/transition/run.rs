@@ -264,6 +264,14 @@ impl World {
         self.run(transit, input, None, None)
     }
 
+    /// What a run of `input` in `transit` starts from: both planes with whatever their slot left in them, sliding normal, counters.
+    pub fn transition_start(&self, transit: &Transit, input: &TransitionInput) -> CollisionInfo {
+        let mut t = Transition::new(self);
+        t.take_left_fields(&self.slots.left_fields(transit));
+        input.prepare(&mut t);
+        t.info
+    }
+
     /// As [`run_transition`](Self::run_transition), for another try in the same transition: the path begins anew, what was touched before stays
     /// (`SetScatterPositionInternal`, 06 C3).
     pub fn run_transition_again(&mut self, transit: &mut Transit, input: &TransitionInput) -> bool {
