@@ -1,6 +1,7 @@
 //! Conformance: compares what the client library does with what reconstructions of the retail client did.
 //!
 //! - [`run`]: scenes, frame by frame; [`compare`] is its core.
+//! - [`report_html`]: results and plots of a run as one HTML file.
 //! - [`status`]: the page that says what matches how well.
 //! - [`vectors`]: calls of single primitives.
 //!
@@ -9,6 +10,7 @@
 
 pub mod cli;
 pub mod compare;
+pub mod report_html;
 pub mod run;
 pub mod status;
 pub mod vectors;

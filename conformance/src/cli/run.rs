@@ -14,11 +14,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, miette};
 
 use super::{COULD_NOT_RUN, DIFFERS, Format, emit};
-use crate::run::{
-    self, Mode, Options, PROFILES,
-    baseline::Baseline,
-    cases,
-    report::{Totals, human, json},
+use crate::{
+    report_html,
+    run::{
+        self, Mode, Options, PROFILES,
+        baseline::Baseline,
+        cases,
+        report::{Totals, human, json},
+    },
 };
 
 /// Arguments of `ac-conform run`.
@@ -54,6 +57,9 @@ pub struct Args {
     /// File of known divergences. Default for the bundled traces: `conformance/baseline.toml`.
     #[arg(long)]
     baseline: Option<PathBuf>,
+    /// Write a report for a browser into this folder: DIR/index.html.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
 }
 
 /// Runs and compares; exit code 1 when something diverges that the baseline does not know.
@@ -69,12 +75,20 @@ pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
         .num_threads(args.jobs)
         .build()
         .into_diagnostic()?;
-    let outcome = pool.install(|| run::run(simulator, &cases, &options, || bar.inc(1)));
+    let outcome = pool.install(|| match args.report {
+        Some(_) => run::run_with_series(simulator, &cases, &options, || bar.inc(1)),
+        None => run::run(simulator, &cases, &options, || bar.inc(1)),
+    });
     bar.finish_and_clear();
     let totals = Totals::of(&outcome.results, &baseline);
     match args.format {
         Format::Human => emit(&human(&outcome.results, &totals, &baseline))?,
         Format::Json => emit(&json(&outcome.results, &totals).into_diagnostic()?)?,
+    }
+    if let Some(folder) = &args.report {
+        let (results, series) = (&outcome.results, &outcome.series);
+        let file = report_html::write(folder, results, series, &totals, &baseline);
+        eprintln!("report: {}", file.into_diagnostic()?.display());
     }
     for error in &outcome.errors {
         eprintln!("could not run: {error}");

@@ -19,7 +19,10 @@ use serde::Serialize;
 
 pub use cases::Case;
 
-use crate::compare::{Class, Comparison, Divergence, MaxError};
+use crate::{
+    compare::{Class, Comparison, Divergence, MaxError},
+    report_html::Series,
+};
 
 /// How to compare.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, clap::ValueEnum)]
@@ -181,6 +184,8 @@ pub struct Outcome {
     pub results: Vec<RunResult>,
     /// Cases that could not run.
     pub errors: Vec<RunError>,
+    /// What a report draws; empty unless it was asked for ([`run_with_series`]).
+    pub series: Vec<Series>,
 }
 
 /// Runs all cases on the current thread pool. `done` is called after each case.
@@ -190,10 +195,30 @@ pub fn run(
     options: &Options,
     done: impl Fn() + Sync,
 ) -> Outcome {
+    run_cases(simulator, cases, options, false, done)
+}
+
+/// As [`run`], and keeps of every frame what a report draws: memory then grows with the number of frames.
+pub fn run_with_series(
+    simulator: &dyn Simulator,
+    cases: &[Case],
+    options: &Options,
+    done: impl Fn() + Sync,
+) -> Outcome {
+    run_cases(simulator, cases, options, true, done)
+}
+
+fn run_cases(
+    simulator: &dyn Simulator,
+    cases: &[Case],
+    options: &Options,
+    keep_series: bool,
+    done: impl Fn() + Sync,
+) -> Outcome {
     let each: Vec<_> = cases
         .par_iter()
         .map(|case| {
-            let results = runner::run_case(simulator, case, options);
+            let results = runner::run_case(simulator, case, options, keep_series);
             done();
             results
         })
@@ -202,6 +227,7 @@ pub fn run(
     for case in each {
         outcome.results.extend(case.results);
         outcome.errors.extend(case.errors);
+        outcome.series.extend(case.series);
     }
     // Entities keep their order: the sort is stable.
     outcome

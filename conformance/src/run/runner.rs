@@ -18,22 +18,27 @@ use ac_replayer::{Simulation, SimulationError, Simulator};
 use serde_json::{Value, value::RawValue};
 
 use super::{Case, Mode, Options, Outcome, RunError, RunResult, StageCount};
-use crate::{compare::Comparison, vectors::json};
+use crate::{compare::Comparison, report_html::Series, vectors::json};
 
 /// Runs a case in all modes with all oracles that the options name. What could not run is in the errors; the results of the
 /// rest stand beside it.
-pub(super) fn run_case(simulator: &dyn Simulator, case: &Case, options: &Options) -> Outcome {
+pub(super) fn run_case(
+    simulator: &dyn Simulator,
+    case: &Case,
+    options: &Options,
+    keep_series: bool,
+) -> Outcome {
     let outcome = match case {
-        Case::Trace(path) => run_trace(simulator, path, options),
+        Case::Trace(path) => run_trace(simulator, path, options, keep_series),
         Case::Files {
             scene,
             expect,
             stages,
-        } => run_files(simulator, scene, expect, stages, options),
+        } => run_files(simulator, scene, expect, stages, options, keep_series),
     };
     outcome.unwrap_or_else(|error| Outcome {
-        results: Vec::new(),
         errors: vec![error],
+        ..Outcome::default()
     })
 }
 
@@ -41,6 +46,7 @@ fn run_trace(
     simulator: &dyn Simulator,
     path: &Path,
     options: &Options,
+    keep_series: bool,
 ) -> Result<Outcome, RunError> {
     let mut reader = TraceReader::open(path)?;
     let states_wanted = options.modes.iter().any(|mode| *mode != Mode::Stage);
@@ -51,7 +57,7 @@ fn run_trace(
         (false, _) => |kind| matches!(kind, ChannelKind::Stages(_)),
     });
     let scene = reader.scene().clone();
-    let mut run = CaseRun::new(simulator, path, &scene, options);
+    let mut run = CaseRun::new(simulator, path, &scene, options, keep_series);
     let mut states = FrameStates::new();
     while let Some(event) = reader.next_event(&mut states)? {
         match event {
@@ -75,9 +81,10 @@ fn run_files(
     expect: &[PathBuf],
     stages: &[PathBuf],
     options: &Options,
+    keep_series: bool,
 ) -> Result<Outcome, RunError> {
     let scene = Scene::open(path)?;
-    let mut run = CaseRun::new(simulator, path, &scene, options);
+    let mut run = CaseRun::new(simulator, path, &scene, options, keep_series);
     if options.modes.iter().any(|mode| *mode != Mode::Stage) {
         if expect.is_empty() {
             let reason = "no expectations for this scene: put NAME.expect.jsonl beside it or name their folder with --expect";
@@ -187,6 +194,7 @@ struct CaseRun<'a> {
     /// `None`: a record could not be understood, the rest is not run.
     stage_runs: BTreeMap<String, Option<StageRun>>,
     errors: Vec<RunError>,
+    keep_series: bool,
 }
 
 impl<'a> CaseRun<'a> {
@@ -195,8 +203,10 @@ impl<'a> CaseRun<'a> {
         path: &'a Path,
         scene: &'a Scene,
         options: &'a Options,
+        keep_series: bool,
     ) -> Self {
         Self {
+            keep_series,
             simulator,
             path,
             scene,
@@ -242,7 +252,11 @@ impl<'a> CaseRun<'a> {
         modes
             .map(|mode| {
                 let (profile, simulation) = self.start(oracle)?;
-                Ok(FrameRun::new(*mode, profile, simulation, &self.scene.track))
+                let mut run = FrameRun::new(*mode, profile, simulation, &self.scene.track);
+                if self.keep_series {
+                    run.keep_series(&self.scene.name, oracle);
+                }
+                Ok(run)
             })
             .collect()
     }
@@ -310,8 +324,10 @@ impl<'a> CaseRun<'a> {
 
     fn finish(self) -> Result<Outcome, RunError> {
         let mut results = Vec::new();
+        let mut series = Vec::new();
         for (oracle, runs) in self.frame_runs {
             for run in runs {
+                series.extend(run.series);
                 for (guid, comparison) in run.entities {
                     if comparison.frames_compared == 0 {
                         let reason = format!(
@@ -358,6 +374,7 @@ impl<'a> CaseRun<'a> {
         Ok(Outcome {
             results,
             errors: self.errors,
+            series,
         })
     }
 }
@@ -372,6 +389,8 @@ struct FrameRun {
     previous: FrameStates,
     next_frame: i32,
     entities: Vec<(u32, Comparison)>,
+    /// One per entity, or none at all.
+    series: Vec<Series>,
 }
 
 impl FrameRun {
@@ -387,7 +406,16 @@ impl FrameRun {
                 .iter()
                 .map(|guid| (*guid, Comparison::default()))
                 .collect(),
+            series: Vec::new(),
         }
+    }
+
+    /// Keeps what a report draws from now on.
+    fn keep_series(&mut self, scene: &str, oracle: &str) {
+        let entities = self.entities.iter();
+        self.series = entities
+            .map(|(guid, _)| Series::new(scene, oracle, self.mode, *guid))
+            .collect();
     }
 
     /// Runs up to `frame` and compares it.
@@ -402,21 +430,19 @@ impl FrameRun {
                 .get(index)
                 .filter(|actual| actual.guid == expected.guid);
             let actual = actual.or_else(|| self.produced.of(expected.guid));
-            let entity = self
-                .entities
-                .get_mut(index)
-                .filter(|(guid, _)| *guid == expected.guid);
-            match entity {
-                Some((_, comparison)) => comparison.frame(expected, actual),
-                None => {
-                    if let Some((_, comparison)) = self
-                        .entities
-                        .iter_mut()
-                        .find(|(guid, _)| *guid == expected.guid)
-                    {
-                        comparison.frame(expected, actual);
-                    }
-                }
+            let is_it = |(guid, _): &(u32, Comparison)| *guid == expected.guid;
+            let place = if self.entities.get(index).is_some_and(is_it) {
+                index
+            } else if let Some(place) = self.entities.iter().position(is_it) {
+                place
+            } else {
+                continue;
+            };
+            let (_, comparison) = &mut self.entities[place];
+            let exact_before = comparison.frames_exact;
+            comparison.frame(expected, actual);
+            if let Some(series) = self.series.get_mut(place) {
+                series.frame(expected, actual, comparison.frames_exact > exact_before);
             }
         }
         if self.mode == Mode::Resync {
