@@ -4,4 +4,5 @@
 //!
 //! Source: `spec/09-network.md`, `spec/10-messages.md`.
 
+pub mod session;
 pub mod transport;
