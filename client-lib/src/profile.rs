@@ -769,6 +769,8 @@ profile! {
     zero_substeps_reset: bool = [true, false, true] "T-15";
     /// A transition has at most 1000 sub-steps.
     substep_limit: bool = [false, true, false] "T-16";
+    /// A movement from or to a place that is not a number is refused; otherwise it is tried, and comparisons decide.
+    nan_goal_refused: bool = [true, false, false] "05:15";
     /// An object moves at most one block per quantum.
     block_limit: bool = [false, false, false] "O-08 T-16";
     /// Placement rings are f64 with an f32 π and `o² < ε²`, instead of f32 with an f64 π and `|o| < ε`.
@@ -781,6 +783,8 @@ profile! {
     sledding_full_vector: bool = [false, true, false] "O-07";
     /// A transit without a current cell fails instead of losing the object.
     no_cell_fails: bool = [false, true, false] "O-09";
+    /// Width in which the share of the speed that friction leaves is computed.
+    friction_base: Width = [Width::F64, Width::F32, Width::F64] "06:B6";
     /// Sledding friction and gravity.
     sledding: Sledding = [Sledding::Steep, Sledding::Flat, Sledding::Steep] "O-10 O-11";
     /// `set_velocity` of an equal value is judged within ε instead of exactly.
@@ -851,6 +855,10 @@ profile! {
     do_motion_loses_fields: bool = [false, true, false] "D5";
     /// Entering the default state.
     default_state: DefaultState = [DefaultState::Once, DefaultState::Once, DefaultState::Twice] "D8";
+    /// Whoever creates an entity hands its weenie to a new movement manager a second time.
+    weenie_set_twice: bool = [false, false, true] "scene-format:weenie";
+    /// Whoever creates an entity writes its state word into the field instead of setting it.
+    initial_state_assigned: bool = [false, true, false] "scene-format:state";
     /// Posture that forbids a jump.
     jump_posture: JumpPosture = [JumpPosture::Fallen, JumpPosture::Falling, JumpPosture::Fallen] "D9";
     /// No weenie: speed cap and jump.

@@ -1,9 +1,14 @@
 //! Conformance: compares what the client library does with what reconstructions of the retail client did.
 //!
+//! - [`run`]: scenes, frame by frame; [`compare`] is its core.
+//! - [`status`]: the page that says what matches how well.
 //! - [`vectors`]: calls of single primitives.
 //!
 //! The binary `ac-conform` is a thin shell around [`cli`].
 #![forbid(unsafe_code)]
 
 pub mod cli;
+pub mod compare;
+pub mod run;
+pub mod status;
 pub mod vectors;

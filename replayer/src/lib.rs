@@ -1,1 +1,12 @@
-//! placeholder
+//! Drives the client library from scenes, deterministically.
+//!
+//! [`simulation`] is the seam: what the replayer and the conformance harness need of a client, and nothing else. [`client`]
+//! puts the client library behind it. [`replay`] runs a scene and writes what it produced as a trace.
+
+pub mod cli;
+pub mod client;
+pub mod dat_cmd;
+pub mod replay;
+pub mod simulation;
+
+pub use simulation::{Simulation, SimulationError, Simulator};

@@ -36,6 +36,6 @@ pub use sequence::{Placement, Sequence};
 pub use source::AnimationSource;
 
 #[cfg(test)]
-mod fixtures;
+pub(crate) mod fixtures;
 #[cfg(test)]
 mod tests;

@@ -8,8 +8,6 @@ use crate::physics::collision::{GfxShape, PlacedPart};
 /// A shape and where it is.
 #[derive(Debug, Clone)]
 pub struct PhysicsPart {
-    /// Id of the shape, 0x01......
-    pub shape_id: u32,
     /// Full-detail shape; it carries the physics BSP.
     pub shape: Arc<GfxShape>,
     /// Scale of the shape. Collision uses the z component for all axes.
@@ -24,9 +22,8 @@ pub struct PhysicsPart {
 
 impl PhysicsPart {
     /// A part of natural size at no place yet.
-    pub fn new(shape_id: u32, shape: Arc<GfxShape>) -> Self {
+    pub fn new(shape: Arc<GfxShape>) -> Self {
         Self {
-            shape_id,
             shape,
             scale: Vec3::ONE,
             position: Position::default(),

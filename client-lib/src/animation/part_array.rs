@@ -60,8 +60,8 @@ impl PartArray {
             .shape(id)
             .ok_or(PartArrayError::MissingShape { part: 0, shape: id })?;
         let mut array = Self::empty();
-        array.setup = Some(Arc::new(simple_setup(id, &shape)));
-        array.parts = vec![Some(PhysicsPart::new(id, shape))];
+        array.setup = Some(Arc::new(simple_setup(&shape)));
+        array.parts = vec![Some(PhysicsPart::new(shape))];
         array.set_placement_frame(DEFAULT_PLACEMENT);
         Ok(array)
     }
@@ -141,7 +141,7 @@ impl PartArray {
             let shape = source
                 .shape(id)
                 .ok_or(PartArrayError::MissingShape { part: i, shape: id })?;
-            let mut part = PhysicsPart::new(id, shape);
+            let mut part = PhysicsPart::new(shape);
             part.scale = setup.scales.get(i).copied().unwrap_or(Vec3::ONE);
             *slot = Some(part);
         }
@@ -213,8 +213,8 @@ impl PartArray {
         };
         for (part, local) in self.parts.iter_mut().zip(pose) {
             if let Some(part) = part {
-                let local = Frame::new(local.origin, local.rotation);
-                part.position.frame = frame.combine_scaled(&local, self.scale, profile);
+                let origin = local.origin * self.scale;
+                part.position.frame = frame.combine_origin(origin, local.rotation, profile);
             }
         }
     }
@@ -265,10 +265,7 @@ impl PartArray {
             let slot = self.parts.get_mut(index).and_then(Option::as_mut);
             let shape = (id != 0).then(|| source.shape(id)).flatten();
             match (slot, shape) {
-                (Some(part), Some(shape)) => {
-                    part.shape = shape;
-                    part.shape_id = id;
-                }
+                (Some(part), Some(shape)) => part.shape = shape,
                 _ => all = false,
             }
         }
@@ -380,7 +377,7 @@ impl PartArray {
     /// Id of the setup, else the shape of the only part, else 0.
     pub fn data_id(&self) -> u32 {
         match (self.setup_id(), self.parts.as_slice()) {
-            (0, [Some(only)]) => only.shape_id,
+            (0, [Some(only)]) => only.shape.id,
             (id, _) => id,
         }
     }

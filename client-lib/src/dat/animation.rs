@@ -197,6 +197,7 @@ impl Serialize for Animation {
     fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
         #[derive(Serialize)]
         struct View<'a> {
+            #[serde(serialize_with = "super::json::hex")]
             id: u32,
             flags: AnimationFlags,
             part_count: u32,

@@ -599,14 +599,12 @@ impl NodeCodec for CellNode {
     }
 
     fn inner(tag: BspTag, plane: Plane) -> Option<Self> {
-        (tag != BspTag::Port).then(|| {
-            Self::Inner(CellInner {
-                tag,
-                plane,
-                positive: None,
-                negative: None,
-            })
-        })
+        (tag != BspTag::Port).then_some(Self::Inner(CellInner {
+            tag,
+            plane,
+            positive: None,
+            negative: None,
+        }))
     }
 
     fn link(&mut self, positive: bool, child: Option<NodeId>) {

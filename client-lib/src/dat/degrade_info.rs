@@ -11,6 +11,7 @@ use super::writer::Writer;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DegradeInfo {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Levels; level 0 is the one used for collision.
     pub levels: Vec<DegradeLevel>,
@@ -20,6 +21,7 @@ pub struct DegradeInfo {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DegradeLevel {
     /// Shape, 0x01......
+    #[serde(serialize_with = "super::json::hex")]
     pub shape: u32,
     /// 1 none, 2 faces the viewer, 3 4 5 turns around the part's x y z axis towards the viewer.
     pub mode: u32,

@@ -71,6 +71,7 @@ impl CellPortal {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EnvCell {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Flags.
     pub flags: EnvCellFlags,

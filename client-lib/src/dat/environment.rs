@@ -15,6 +15,7 @@ use super::writer::Writer;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Environment {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Structures; the key is the position.
     pub structures: Vec<CellStruct>,

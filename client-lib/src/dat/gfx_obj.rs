@@ -32,10 +32,12 @@ bitflags! {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GfxObj {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Which parts are stored.
     pub flags: GfxObjFlags,
     /// Surfaces, 0x08......
+    #[serde(serialize_with = "super::json::hex_list")]
     pub surfaces: Vec<u32>,
     /// Vertices of both polygon lists.
     pub vertices: VertexArray,
@@ -46,6 +48,7 @@ pub struct GfxObj {
     /// Drawing; stored iff [`GfxObjFlags::DRAWING`].
     pub drawing: Option<DrawingShape>,
     /// Degrade info, 0x11......, 0 if not stored.
+    #[serde(serialize_with = "super::json::hex")]
     pub degrade: u32,
 }
 

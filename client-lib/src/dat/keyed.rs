@@ -53,6 +53,18 @@ impl<K: Ord + Copy, V> KeyedList<K, V> {
         }
     }
 
+    /// Adds an entry at the end. Meant for building small maps: every call sorts anew.
+    pub fn push(&mut self, key: K, value: V) {
+        let mut entries = std::mem::take(&mut self.entries);
+        entries.push((key, value));
+        *self = Self::new(entries);
+    }
+
+    /// The value of the first entry with this key, to change it.
+    pub fn get_mut(&mut self, key: K) -> Option<&mut V> {
+        self.position(key).map(|i| &mut self.entries[i].1)
+    }
+
     /// The value of the first entry with this key.
     #[must_use]
     pub fn get(&self, key: K) -> Option<&V> {

@@ -50,6 +50,7 @@ impl TerrainWord {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Landblock {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Not 0: a landblock info record exists. Only 0 and 1 occur (D-19).
     pub has_info: u32,

@@ -32,6 +32,7 @@ bitflags! {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LandblockInfo {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Number of rooms; their ids are 0x0100, 0x0101, ... without gaps.
     pub room_count: u32,
@@ -51,6 +52,7 @@ pub struct LandblockInfo {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Building {
     /// Shape or setup of the shell.
+    #[serde(serialize_with = "super::json::hex")]
     pub model: u32,
     /// Place in landblock coordinates.
     pub frame: StoredFrame,

@@ -18,13 +18,17 @@ mod env_cell;
 mod environment;
 mod error;
 mod frame;
+#[doc(hidden)]
+pub mod fuzzing;
 mod gfx_obj;
 mod hook;
 mod iteration;
+mod json;
 mod keyed;
 mod kind;
 mod landblock;
 mod landblock_info;
+pub mod lint;
 mod motion_data;
 mod motion_table;
 mod palette;
@@ -44,6 +48,7 @@ mod surface;
 mod texture;
 mod vertex;
 mod wave;
+pub mod worldgen;
 mod writer;
 
 pub use anim_frame::AnimFrame;

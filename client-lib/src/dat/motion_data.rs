@@ -33,6 +33,7 @@ bitflags! {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct AnimRange {
     /// Animation, 0x03......
+    #[serde(serialize_with = "super::json::hex")]
     pub animation: u32,
     /// First frame.
     pub low_frame: i32,
@@ -60,6 +61,56 @@ pub struct MotionData {
 impl MotionData {
     /// Least bytes, with the key in front.
     pub const LEAST: usize = 8;
+
+    /// A motion that plays frames `low..=high` of an animation; `high` negative: to the end.
+    #[must_use]
+    pub fn playing(animation: u32, low_frame: i32, high_frame: i32, framerate: f32) -> Self {
+        let range = AnimRange {
+            animation,
+            low_frame,
+            high_frame,
+            framerate,
+        };
+        Self {
+            anims: vec![range],
+            ..Self::default()
+        }
+    }
+
+    /// The same with another animation after it.
+    #[must_use]
+    pub fn then(mut self, animation: u32, low_frame: i32, high_frame: i32, framerate: f32) -> Self {
+        self.anims.push(AnimRange {
+            animation,
+            low_frame,
+            high_frame,
+            framerate,
+        });
+        self
+    }
+
+    /// The same with a velocity, metres per second in the object's space.
+    #[must_use]
+    pub fn with_velocity(mut self, velocity: Vec3) -> Self {
+        self.flags |= MotionDataFlags::VELOCITY;
+        self.velocity = velocity;
+        self
+    }
+
+    /// The same with a turn rate, axis times radians per second.
+    #[must_use]
+    pub fn with_omega(mut self, omega: Vec3) -> Self {
+        self.flags |= MotionDataFlags::OMEGA;
+        self.omega = omega;
+        self
+    }
+
+    /// The same with rules.
+    #[must_use]
+    pub fn with_bits(mut self, bits: MotionBits) -> Self {
+        self.bits = bits;
+        self
+    }
 
     /// Reads one.
     ///

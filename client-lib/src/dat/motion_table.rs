@@ -14,8 +14,10 @@ use super::writer::Writer;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MotionTable {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Style in which an object starts, a motion command 0x8000....
+    #[serde(serialize_with = "super::json::hex")]
     pub default_style: u32,
     /// Full style command to full command of its default substate.
     pub style_defaults: KeyedList<u32, u32>,
@@ -45,6 +47,45 @@ impl MotionTable {
             modifiers: KeyedList::default(),
             links: KeyedList::default(),
         }
+    }
+
+    /// Adds a style and its default substate, full commands.
+    #[must_use]
+    pub fn with_style(mut self, style: u32, default_substate: u32) -> Self {
+        self.style_defaults.push(style, default_substate);
+        self
+    }
+
+    /// Adds the cycle of a substate.
+    #[must_use]
+    pub fn with_cycle(mut self, style: u32, substate: u32, motion: MotionData) -> Self {
+        self.cycles.push(motion_key(style, substate), motion);
+        self
+    }
+
+    /// Adds a modifier for all styles.
+    #[must_use]
+    pub fn with_modifier(mut self, motion: u32, data: MotionData) -> Self {
+        self.modifiers.push(motion & 0x00FF_FFFF, data);
+        self
+    }
+
+    /// Adds a modifier for one style.
+    #[must_use]
+    pub fn with_style_modifier(mut self, style: u32, motion: u32, data: MotionData) -> Self {
+        self.modifiers.push(motion_key(style, motion), data);
+        self
+    }
+
+    /// Adds a link from a substate (0: from any) to a full target command.
+    #[must_use]
+    pub fn with_link(mut self, style: u32, from: u32, to: u32, motion: MotionData) -> Self {
+        let key = motion_key(style, from);
+        match self.links.get_mut(key) {
+            Some(targets) => targets.push(to, motion),
+            None => self.links.push(key, KeyedList::new(vec![(to, motion)])),
+        }
+        self
     }
 
     /// Motion from one link key to a full target command.

@@ -11,6 +11,7 @@ use super::writer::Writer;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Palette {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Colours 0xAARRGGBB; usually 2048 or 256.
     pub colors: Vec<u32>,
@@ -45,8 +46,10 @@ impl Record for Palette {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PaletteSet {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Palettes, 0x04......
+    #[serde(serialize_with = "super::json::hex_list")]
     pub palettes: Vec<u32>,
 }
 

@@ -23,6 +23,7 @@ pub struct VectorRange {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ParticleEmitterInfo {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Not known.
     pub unknown: u32,
@@ -31,8 +32,10 @@ pub struct ParticleEmitterInfo {
     /// How particles move.
     pub particle_kind: i32,
     /// Shape of software rendering.
+    #[serde(serialize_with = "super::json::hex")]
     pub shape: u32,
     /// Shape of hardware rendering.
+    #[serde(serialize_with = "super::json::hex")]
     pub hardware_shape: u32,
     /// Seconds or metres per particle.
     pub birth_rate: f64,

@@ -12,6 +12,7 @@ use super::writer::Writer;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PhysicsScript {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Start time in seconds, and hook, in file order.
     pub entries: Vec<ScriptEntry>,
@@ -71,6 +72,7 @@ impl Record for PhysicsScript {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PhysicsScriptTable {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Kind of event and its scripts.
     pub kinds: Vec<(u32, Vec<ScriptChoice>)>,
@@ -82,6 +84,7 @@ pub struct ScriptChoice {
     /// Intensity.
     pub modifier: f32,
     /// Script, 0x33......
+    #[serde(serialize_with = "super::json::hex")]
     pub script: u32,
 }
 

@@ -34,6 +34,7 @@ bitflags! {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Region {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Region number, 1.
     pub number: u32,
@@ -125,6 +126,7 @@ pub struct TimeOfDay {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AmbientSounds {
     /// Sound table, 0x20......
+    #[serde(serialize_with = "super::json::hex")]
     pub sound_table: u32,
     /// Sounds.
     pub sounds: Vec<AmbientSound>,
@@ -151,6 +153,7 @@ pub struct SceneType {
     /// Index into the ambient sounds, -1 none.
     pub ambient_sound: i32,
     /// Scenes, 0x12......
+    #[serde(serialize_with = "super::json::hex_list")]
     pub scenes: Vec<u32>,
 }
 

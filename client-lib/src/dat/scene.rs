@@ -12,6 +12,7 @@ use super::writer::Writer;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scene {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Objects.
     pub objects: Vec<SceneObject>,
@@ -21,6 +22,7 @@ pub struct Scene {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SceneObject {
     /// Shape or setup.
+    #[serde(serialize_with = "super::json::hex")]
     pub model: u32,
     /// Place relative to the scattered point.
     pub frame: StoredFrame,

@@ -56,10 +56,12 @@ pub struct Light {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Setup {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Flags.
     pub flags: SetupFlags,
     /// Shapes of the parts, 0x01......
+    #[serde(serialize_with = "super::json::hex_list")]
     pub parts: Vec<u32>,
     /// Skeleton parent of each part, 0xFFFFFFFF none; empty if not stored. Not used when parts are placed.
     pub parents: Vec<u32>,
@@ -90,14 +92,19 @@ pub struct Setup {
     /// Lights with their keys. A list: one reference reads the key as the kind of light, and two of a kind are legal.
     pub lights: Vec<(i32, Light)>,
     /// Default animation, 0x03......, 0 none.
+    #[serde(serialize_with = "super::json::hex")]
     pub default_animation: u32,
     /// Default physics script, 0x33......, 0 none.
+    #[serde(serialize_with = "super::json::hex")]
     pub default_script: u32,
     /// Default motion table, 0x09......, 0 none.
+    #[serde(serialize_with = "super::json::hex")]
     pub default_motion_table: u32,
     /// Default sound table, 0x20......, 0 none.
+    #[serde(serialize_with = "super::json::hex")]
     pub default_sound_table: u32,
     /// Default script table, 0x34......, 0 none.
+    #[serde(serialize_with = "super::json::hex")]
     pub default_script_table: u32,
 }
 

@@ -45,8 +45,10 @@ pub struct SkyObject {
     pub u_velocity: f32,
     pub v_velocity: f32,
     /// Shape, 0x01......
+    #[serde(serialize_with = "super::json::hex")]
     pub shape: u32,
     /// Physics script, 0x33......
+    #[serde(serialize_with = "super::json::hex")]
     pub script: u32,
     pub properties: u32,
 }
@@ -82,6 +84,7 @@ pub struct SkyReplacement {
     /// Index among the sky objects of the group.
     pub object: u32,
     /// Shape, 0x01......
+    #[serde(serialize_with = "super::json::hex")]
     pub shape: u32,
     pub rotate: f32,
     pub transparent: f32,

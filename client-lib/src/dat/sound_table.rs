@@ -11,6 +11,7 @@ use super::writer::Writer;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SoundTable {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Hash key; without meaning.
     pub hash_key: u32,
@@ -26,6 +27,7 @@ pub struct SoundTable {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SoundChoice {
     /// Wave, 0x0A......
+    #[serde(serialize_with = "super::json::hex")]
     pub wave: u32,
     /// Priority.
     pub priority: f32,

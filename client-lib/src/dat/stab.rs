@@ -10,6 +10,7 @@ use super::writer::Writer;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Stab {
     /// Shape (0x01......) or setup (0x02......).
+    #[serde(serialize_with = "super::json::hex")]
     pub model: u32,
     /// Place in landblock coordinates, metres.
     pub frame: StoredFrame,

@@ -59,6 +59,7 @@ pub enum SurfaceFill {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Surface {
     /// Id under which it is stored.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Kind; image or clip map go with a texture, all others with a colour.
     pub flags: SurfaceFlags,

@@ -11,12 +11,14 @@ use super::writer::Writer;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SurfaceTexture {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Data category.
     pub category: u32,
     /// 2: two-dimensional.
     pub kind: u8,
     /// Render surfaces, 0x06......, best first.
+    #[serde(serialize_with = "super::json::hex_list")]
     pub surfaces: Vec<u32>,
 }
 
@@ -83,6 +85,7 @@ impl PixelFormat {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RenderSurface {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// Data category.
     pub category: u32,
@@ -95,6 +98,7 @@ pub struct RenderSurface {
     /// Pixels, in the format.
     pub pixels: Vec<u8>,
     /// Palette of an indexed format, 0x04......; 0 if not stored.
+    #[serde(serialize_with = "super::json::hex")]
     pub palette: u32,
 }
 

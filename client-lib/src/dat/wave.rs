@@ -12,6 +12,7 @@ use super::writer::Writer;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Wave {
     /// Own id.
+    #[serde(serialize_with = "super::json::hex")]
     pub id: u32,
     /// A WAVEFORMATEX, without RIFF.
     pub header: Vec<u8>,

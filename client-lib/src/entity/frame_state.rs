@@ -45,11 +45,11 @@ impl Entity {
         let Position { cell, frame } = &self.body.position;
         let q = frame.rotation();
         record.cell = if self.body.cell.is_some() { cell.0 } else { 0 };
-        record.origin = frame.origin.into();
-        record.rotation = [q.w, q.x, q.y, q.z];
-        record.velocity = self.kin.velocity.into();
-        record.acceleration = self.kin.acceleration.into();
-        record.omega = self.kin.omega.into();
+        record.origin = numbers(frame.origin);
+        record.rotation = [q.w, q.x, q.y, q.z].map(number);
+        record.velocity = numbers(self.kin.velocity);
+        record.acceleration = numbers(self.kin.acceleration);
+        record.omega = numbers(self.kin.omega);
         record.state = self.body.state.bits();
         record.transient = self.kin.transient.bits();
     }
@@ -59,14 +59,14 @@ impl Entity {
         if transient.contains(TransientState::CONTACT) {
             record.has |= Fields::PLANE_PARTS;
             record.contact_plane = Some(ContactPlane {
-                n: self.kin.contact_plane.n.into(),
-                d: self.kin.contact_plane.d,
+                n: numbers(self.kin.contact_plane.n),
+                d: number(self.kin.contact_plane.d),
                 cell: self.kin.contact_plane_cell_id.0,
             });
         }
         record.sliding_normal = transient
             .contains(TransientState::SLIDING)
-            .then(|| self.kin.sliding_normal.into());
+            .then(|| numbers(self.kin.sliding_normal));
     }
 
     fn record_animation(&self, record: &mut FrameState) {
@@ -83,8 +83,8 @@ impl Entity {
         anim.queue.clear();
         anim.queue
             .extend(sequence.nodes().map(|n| n.animation_id()));
-        anim.velocity = sequence.velocity.into();
-        anim.omega = sequence.omega.into();
+        anim.velocity = numbers(sequence.velocity);
+        anim.omega = numbers(sequence.omega);
     }
 
     fn record_motion(&self, record: &mut FrameState) {
@@ -110,6 +110,15 @@ impl Entity {
         }
         record.motion = Some(motion);
     }
+}
+
+/// A number of a record. There is one "not a number": sign and payload of a computed one depend on the processor.
+const fn number(x: f32) -> f32 {
+    if x.is_nan() { f32::NAN } else { x }
+}
+
+fn numbers(v: Vec3) -> [f32; 3] {
+    v.to_array().map(number)
 }
 
 fn record_interpreted(interp: &MotionInterp, motion: &mut MotionState) {
@@ -172,7 +181,7 @@ impl Entity {
         }
         let cell = match record.cell {
             0 => None,
-            id => world.load_cell(CellId(id)),
+            id => world.visible_cell(CellId(id)),
         };
         if cell != self.body.cell {
             self.remove_shadows_from_cells(world);

@@ -12,5 +12,6 @@ mod weenie;
 pub use entity::{Child, CollisionRecord, CollisionTable, Entity, Kinetics, Timestamps};
 pub use store::Entities;
 pub use weenie::{
-    AttackReport, CollisionProfile, CollisionReport, EnvironmentReport, ObjectReport, Weenie,
+    AttackReport, CollisionProfile, CollisionReport, EnvironmentReport, HouseAccess, ObjectReport,
+    Weenie,
 };

@@ -129,7 +129,7 @@ impl World {
     pub fn body(&self, object: ObjectRef) -> Option<&Body> {
         match object {
             ObjectRef::Entity(id) => self.entity(id).map(|e| &e.body),
-            ObjectRef::Static(_) => None,
+            ObjectRef::Static(id) => self.land.static_body(id),
         }
     }
 }

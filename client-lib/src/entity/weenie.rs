@@ -21,6 +21,8 @@ pub struct Weenie {
     pub corpse: bool,
     /// Answer to `InqCollisionProfile`.
     pub profile: Option<CollisionProfile>,
+    /// The object is a house that bars its cells.
+    pub house: Option<HouseAccess>,
     /// Collision callbacks are kept in [`Entity::reports`](super::Entity::reports) for the host, which empties the list.
     pub collects_reports: bool,
 }
@@ -34,6 +36,24 @@ pub struct CollisionProfile {
     pub item_type: u32,
     /// Creature 0x1, Player 0x2, Attackable 0x4, Door 0x40.
     pub flags: u32,
+}
+
+/// Who may enter the cells of a house (`spec/03-cells.md`, 13.6).
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct HouseAccess {
+    /// There is no owner, or the house is open.
+    pub open: bool,
+    /// GUIDs of those who may enter.
+    pub guests: Vec<u32>,
+}
+
+impl Weenie {
+    /// Whether a mover may enter the cells that this object bars.
+    pub fn admits(&self, guid: u32) -> bool {
+        self.house
+            .as_ref()
+            .is_some_and(|house| house.open || house.guests.contains(&guid))
+    }
 }
 
 /// A touch, as told to a weenie.

@@ -5,8 +5,8 @@
 
 use crate::entity::Entity;
 use crate::math::Frame;
-use crate::physics::update::CommitKind;
 use crate::physics::transition::{TransitionInput, TransitionResult};
+use crate::physics::update::CommitKind;
 use crate::world::World;
 
 /// A named stage of an entity's tick, in the order of a quantum.

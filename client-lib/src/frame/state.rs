@@ -337,6 +337,48 @@ impl FrameState {
         self.events.extend_from_slice(events);
     }
 
+    /// Makes this a copy of another record, reusing memory.
+    pub fn copy_from(&mut self, other: &Self) {
+        let Self {
+            has,
+            frame,
+            time,
+            guid,
+            cell,
+            origin,
+            rotation,
+            velocity,
+            acceleration,
+            omega,
+            ..
+        } = *other;
+        self.reset(frame, time, guid);
+        self.has = has;
+        self.cell = cell;
+        self.origin = origin;
+        self.rotation = rotation;
+        self.velocity = velocity;
+        self.acceleration = acceleration;
+        self.omega = omega;
+        self.state = other.state;
+        self.transient = other.transient;
+        self.contact_plane = other.contact_plane;
+        self.sliding_normal = other.sliding_normal;
+        self.motion = other.motion;
+        match (&mut self.anim, &other.anim) {
+            (Some(anim), Some(from)) => {
+                let mut queue = std::mem::take(&mut anim.queue);
+                queue.clear();
+                queue.extend_from_slice(&from.queue);
+                *anim = AnimState { queue, ..*from };
+            }
+            (anim, from) => *anim = from.clone(),
+        }
+        self.steps.extend_from_slice(&other.steps);
+        self.collisions.extend_from_slice(&other.collisions);
+        self.events.extend_from_slice(&other.events);
+    }
+
     /// Whether every field is present and equal to the other's, floating-point numbers bit for bit.
     pub fn same_bits(&self, other: &Self) -> bool {
         self.has == other.has
@@ -450,6 +492,15 @@ impl FrameStates {
         let slot = &mut self.slots[self.len - 1];
         slot.reset(frame, time, guid);
         slot
+    }
+
+    /// Makes this a copy of another list, reusing memory.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.clear();
+        for state in other.iter() {
+            self.push(state.frame, state.time, state.guid)
+                .copy_from(state);
+        }
     }
 
     /// The record of an entity.

@@ -141,7 +141,8 @@ impl Frame {
         self.combine_origin(b.origin * scale, b.rotation, profile)
     }
 
-    fn combine_origin(&self, origin: Vec3, rotation: Quat, profile: &Profile) -> Self {
+    /// As [`Frame::combine`], for a frame that is stored without its matrix, which is not needed.
+    pub fn combine_origin(&self, origin: Vec3, rotation: Quat, profile: &Profile) -> Self {
         let mut result = Self::from_origin(self.local_to_global(origin, profile));
         result.set_combined_rotation(self.rotation.mul(rotation), profile);
         result

@@ -72,7 +72,11 @@ impl Actions {
         }
     }
 
-    pub(super) fn unpack(&mut self, count: usize, reader: &mut Reader<'_>) -> Result<(), WireError> {
+    pub(super) fn unpack(
+        &mut self,
+        count: usize,
+        reader: &mut Reader<'_>,
+    ) -> Result<(), WireError> {
         for _ in 0..count {
             let command = Command::from_index(reader.u16()?);
             let stamp = reader.u16()?;

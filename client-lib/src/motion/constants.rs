@@ -32,10 +32,6 @@ pub const TARGET_QUANTUM_MIN_SPEED: f32 = 0.1;
 pub const TARGET_QUANTUM_MIN_CHANGE: f64 = 1.0;
 /// Actions that may wait.
 pub const MAX_ACTIONS: usize = 6;
-/// Smallest normal z of walkable ground (48.381°): cos of 3437.7467… taken as radians.
-pub const FLOOR_Z: f32 = f32::from_bits(0x3F2A_0751);
-/// The same, as the f64 that profile `gdle` compares with.
-pub const FLOOR_Z_F64: f64 = 0.664_174_146_186_627_6;
 /// A player that moves reports its position this often.
 pub const POSITION_EVENT_INTERVAL: f64 = 1.0;
 /// Smallest extent of a charged jump.
@@ -56,7 +52,5 @@ mod tests {
         ] {
             assert_eq!(value.to_bits(), bits);
         }
-        assert_eq!(FLOOR_Z_F64 as f32, FLOOR_Z);
-        assert!((libm::cos(3437.746_770_784_939) - FLOOR_Z_F64).abs() < 1e-15);
     }
 }

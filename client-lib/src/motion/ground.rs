@@ -66,8 +66,7 @@ impl Entity {
     pub fn jump_is_allowed(&self, extent: f32, world: &World) -> Result<i32, MotionError> {
         let mover = self.mover(world);
         let interp = self.interp().ok_or(MotionError::NoPhysicsObject)?;
-        let always_grounded =
-            mover.weenie.is_none() && mover.profile.no_weenie == NoWeenie::Always;
+        let always_grounded = mover.weenie.is_none() && mover.profile.no_weenie == NoWeenie::Always;
         if !always_grounded && mover.leaves_ground() && !mover.on_ground() {
             return Err(MotionError::NoContact);
         }
@@ -108,8 +107,8 @@ impl Entity {
         if !initted || world.profile.jump_charge == JumpCharge::None {
             return;
         }
-        let raw = self.weenie.is_none()
-            || self.body.weenie.creature && self.kin.last_move_was_autonomous;
+        let raw =
+            self.weenie.is_none() || self.body.weenie.creature && self.kin.last_move_was_autonomous;
         if raw {
             self.apply_raw_movement(false, world);
         } else {
@@ -118,11 +117,7 @@ impl Entity {
     }
 
     /// Applies a state that came from the server (8.26). The autonomous flag of the object must be the message's already.
-    pub fn move_to_interpreted_state(
-        &mut self,
-        state: &InterpretedMotionState,
-        world: &mut World,
-    ) {
+    pub fn move_to_interpreted_state(&mut self, state: &InterpretedMotionState, world: &mut World) {
         self.get_interp(world).raw.style = state.style;
         self.cancel_moveto(world);
         let Some(interp) = self.interp_mut() else {

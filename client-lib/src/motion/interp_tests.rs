@@ -1,5 +1,10 @@
 //! Numbers of `spec/08-motion.md`, section 9, and invariants of section 17 that need no object.
 
+#![allow(
+    clippy::excessive_precision,
+    reason = "digits as the specification prints them"
+)]
+
 use proptest::prelude::*;
 
 use super::*;
@@ -52,10 +57,17 @@ fn speeds_of_section_9() {
     for (rate, run, back, back_y, side, side_x) in [
         (1.0, 4.0, -0.65, -2.027_999_9, 1.247_999_9, 1.559_999_9),
         (1.5, 6.0, -0.974_999_96, -3.041_999_8, 1.871_999_9, 2.34),
-        (2.0, 8.0, -1.3, -4.056, 2.495_999_8, 3.119_999_9),
-        (2.375, 9.5, -1.543_749_9, -4.816_499_7, 2.963_999_7, 3.704_999_7),
+        (2.0, 8.0, -1.3, -4.055_999_8, 2.495_999_8, 3.119_999_9),
+        (
+            2.375,
+            9.5,
+            -1.543_749_9,
+            -4.816_499_7,
+            2.963_999_7,
+            3.704_999_7,
+        ),
         (3.0, 12.0, -1.949_999_9, -6.083_999_6, 3.0, 3.75),
-        (4.5, 18.0, -2.925, -9.125_999, 3.0, 3.75),
+        (4.5, 18.0, -2.925, -9.125_999_5, 3.0, 3.75),
     ] {
         let (walk, v) = perform(C::WALK_FORWARD, HoldKey::None, rate);
         assert_eq!((walk.command, v.y), (C::WALK_FORWARD, 3.12));
@@ -71,7 +83,11 @@ fn speeds_of_section_9() {
         for (command, sign) in [(C::SIDE_STEP_RIGHT, 1.0), (C::SIDE_STEP_LEFT, -1.0)] {
             let (m, v) = perform(command, HoldKey::Run, rate);
             assert_eq!(m.command, C::SIDE_STEP_RIGHT);
-            assert_eq!((m.speed * sign, v.x * sign), (side, side_x), "side at {rate}");
+            assert_eq!(
+                (m.speed * sign, v.x * sign),
+                (side, side_x),
+                "side at {rate}"
+            );
         }
         let (m, _) = perform(C::TURN_LEFT, HoldKey::Run, rate);
         assert_eq!((m.command, m.speed), (C::TURN_RIGHT, -1.5));
@@ -83,14 +99,19 @@ fn speeds_of_section_9() {
 #[test]
 fn diagonals_are_capped() {
     let profile = Profile::retail();
-    for (rate, x, y) in [(1.0, 1.453_380_9, 3.726_618), (3.0, 3.579_299_4, 11.453_759)] {
+    for (rate, x, y) in [
+        (1.0, 1.453_380_9, 3.726_618),
+        (3.0, 3.579_299_4, 11.453_759),
+    ] {
         let weenie = runner(rate);
         let mover = creature(&weenie, &profile);
         let mut interp = MotionInterp::default();
         interp.interpreted.forward_command = Command::RUN_FORWARD;
         interp.interpreted.forward_speed = rate;
         interp.interpreted.sidestep_command = Command::SIDE_STEP_RIGHT;
-        interp.interpreted.sidestep_speed = perform(Command::SIDE_STEP_RIGHT, HoldKey::Run, rate).0.speed;
+        interp.interpreted.sidestep_speed = perform(Command::SIDE_STEP_RIGHT, HoldKey::Run, rate)
+            .0
+            .speed;
         let v = interp.state_velocity(&mover);
         assert!((v.x - x).abs() < 1e-6 && (v.y - y).abs() < 2e-6, "{v}");
     }
@@ -101,9 +122,13 @@ fn extreme_speeds() {
     let (weenie, profile) = (runner(2.403_846), Profile::retail());
     let mover = creature(&weenie, &profile);
     let interp = MotionInterp::default();
-    let run = |command, speed| interp.adjust_motion(Motion { command, speed }, HoldKey::Run, &mover);
+    let run =
+        |command, speed| interp.adjust_motion(Motion { command, speed }, HoldKey::Run, &mover);
     for speed in [0.0, -0.0, f32::NAN] {
-        assert_eq!(run(Command::WALK_FORWARD, speed).command, Command::WALK_FORWARD);
+        assert_eq!(
+            run(Command::WALK_FORWARD, speed).command,
+            Command::WALK_FORWARD
+        );
     }
     assert!(run(Command::SIDE_STEP_RIGHT, f32::NAN).speed.is_nan());
     assert_eq!(run(Command::SIDE_STEP_RIGHT, 1.0).speed, 2.999_999_5);
@@ -126,13 +151,23 @@ fn leaving_the_ground() {
     let turned = Frame::new(Vec3::ZERO, Quat::new(0.0, 0.0, 0.0, 1.0));
     interp.interpreted.sidestep_speed = 1.0;
     let gdle = Profile::gdle();
-    let v = interp.leave_ground_velocity(&Mover { profile: &gdle, ..mover }, &turned, own);
+    let v = interp.leave_ground_velocity(
+        &Mover {
+            profile: &gdle,
+            ..mover
+        },
+        &turned,
+        own,
+    );
     assert_eq!(v.x, -1.25);
     interp.interpreted.sidestep_command = Command::NONE;
     assert_eq!(launch(&interp, &gdle), Vec3::ZERO);
     interp.jump_extent = 2.0;
     assert_eq!(launch(&interp, &gdle).z, 8.0);
-    let alone = Mover { weenie: None, ..mover };
+    let alone = Mover {
+        weenie: None,
+        ..mover
+    };
     assert_eq!(interp.jump_v_z(&alone), 10.0);
     interp.jump_extent = 0.000_19;
     assert_eq!(interp.jump_v_z(&mover), 0.0);
@@ -161,9 +196,15 @@ fn postures_that_forbid_a_jump() {
         (0x4000_0008, false),
         (0x4100_0003, true),
     ] {
-        assert_eq!(motion_allows_jump(Command(command), &retail), allowed, "{command:#x}");
+        assert_eq!(
+            motion_allows_jump(Command(command), &retail),
+            allowed,
+            "{command:#x}"
+        );
     }
-    assert!(motion_allows_jump(Command::FALLEN, &ace) && !motion_allows_jump(Command::FALLING, &ace));
+    assert!(
+        motion_allows_jump(Command::FALLEN, &ace) && !motion_allows_jump(Command::FALLING, &ace)
+    );
 }
 
 fn any_command() -> impl Strategy<Value = Command> {
@@ -175,7 +216,11 @@ fn any_command() -> impl Strategy<Value = Command> {
 }
 
 fn any_key() -> impl Strategy<Value = HoldKey> {
-    prop_oneof![Just(HoldKey::Invalid), Just(HoldKey::None), Just(HoldKey::Run)]
+    prop_oneof![
+        Just(HoldKey::Invalid),
+        Just(HoldKey::None),
+        Just(HoldKey::Run)
+    ]
 }
 
 proptest! {

@@ -183,7 +183,10 @@ mod tests {
         state.apply_motion(Command::TURN_LEFT, &params);
         assert_eq!(state.forward_command, Command::TURN_LEFT);
         state.remove_motion(Command::TURN_LEFT);
-        assert_eq!((state.forward_command, state.forward_speed), (Command::READY, 1.0));
+        assert_eq!(
+            (state.forward_command, state.forward_speed),
+            (Command::READY, 1.0)
+        );
         assert!(state.is_at_rest());
     }
 

@@ -11,37 +11,47 @@
 
 mod action;
 mod command;
+mod command_interpreter;
 mod command_table;
 pub mod constants;
 mod error;
+#[cfg(test)]
+mod fixtures;
 pub mod formulas;
 mod ground;
 mod heading;
 mod hold_key;
+mod inbound;
 mod interp;
+#[cfg(test)]
+mod interp_tests;
 mod interpreted_state;
 mod move_to;
 mod move_to_start;
+#[cfg(test)]
+mod move_to_tests;
 mod move_to_tick;
 mod movement_manager;
 mod params;
 mod raw_state;
 mod requests;
-mod slope;
+#[cfg(test)]
+mod tests;
 mod weenie;
 pub mod wire;
-#[cfg(test)]
-mod interp_tests;
 #[cfg(test)]
 mod wire_tests;
 
 pub use action::{Action, Actions};
-pub use command::{
-    ACTION, CHAT_EMOTE, Command, MAPPABLE, MODIFIER, STYLE, SUB_STATE, TOGGLE, UI,
+pub use command::{ACTION, CHAT_EMOTE, Command, MAPPABLE, MODIFIER, STYLE, SUB_STATE, TOGGLE, UI};
+pub use command_interpreter::{
+    AutonomyLevel, CommandEntry, CommandInterpreter, CommandList, InputOptions, Outgoing, Scene,
+    SequenceStamps,
 };
 pub use error::{MotionError, MotionResult, code_of};
 pub use heading::{heading_diff, heading_greater};
 pub use hold_key::HoldKey;
+pub use inbound::{MovementHeader, MovementUpdate, UpdateKind};
 pub use interp::{
     Motion, MotionInterp, Mover, PendingMotion, contact_allows_move, motion_allows_jump,
 };
@@ -50,5 +60,4 @@ pub use move_to::{DistanceSample, MoveToKind, MoveToManager, MoveToNode};
 pub use movement_manager::{MoveTarget, Movement, MovementManager};
 pub use params::{Approach, MovementFlags, MovementParameters, desired_heading};
 pub use raw_state::{RawAxis, RawMotionState};
-pub use slope::is_walkable;
 pub use weenie::{Character, MotionCallbacks};

@@ -148,19 +148,17 @@ impl MoveToManager {
         if !self.params.has(MovementFlags::USE_SPHERES) {
             return own.distance(target);
         }
-        UprightCylinder {
+        let body = UprightCylinder {
             radius: object.radius(),
             height: object.height(),
             position: own,
-        }
-        .distance(
-            &UprightCylinder {
-                radius: self.sought_object_radius,
-                height: self.sought_object_height,
-                position: target,
-            },
-            profile,
-        )
+        };
+        let target = UprightCylinder {
+            radius: self.sought_object_radius,
+            height: self.sought_object_height,
+            position: target,
+        };
+        body.distance(&target, profile) as f32
     }
 
     /// Takes the same sample as the first and as the last.
@@ -213,7 +211,13 @@ mod tests {
         assert!(!m.check_progress(19.8, 11.1));
         assert_eq!(m.previous.time, 10.0);
         assert!(m.check_progress(19.0, 12.0));
-        assert_eq!(m.previous, DistanceSample { distance: 19.0, time: 12.0 });
+        assert_eq!(
+            m.previous,
+            DistanceSample {
+                distance: 19.0,
+                time: 12.0
+            }
+        );
         m.moving_away = true;
         assert!(!m.check_progress(18.0, 13.5));
     }

@@ -160,7 +160,10 @@ impl Entity {
     /// 11.6.
     fn turn_to_object_internal(&mut self, info: &TargetInfo, world: &mut World) {
         let profile = &world.profile;
-        let bearing = self.body.position.heading_to(&info.target_position, profile);
+        let bearing = self
+            .body
+            .position
+            .heading_to(&info.target_position, profile);
         let Some(m) = self.move_to_mut() else {
             return;
         };

@@ -3,9 +3,7 @@
 use super::constants::{AUX_TURN_BAND, TARGET_QUANTUM_MIN_CHANGE, TARGET_QUANTUM_MIN_SPEED};
 use super::heading::{fold, heading_diff, heading_greater};
 use super::params::desired_heading;
-use super::{
-    Command, MotionError, MoveToManager, MoveToNode, MovementFlags, MovementParameters,
-};
+use super::{Command, MotionError, MoveToManager, MoveToNode, MovementFlags, MovementParameters};
 use crate::entity::Entity;
 use crate::math::EPSILON;
 use crate::physics::state::TransientState;
@@ -114,7 +112,12 @@ impl Entity {
     }
 
     /// Arrival and failure, tested only while there is progress (11.10, step 4; `D20`).
-    fn judge_progress(&mut self, distance: f32, params: &mut MovementParameters, world: &mut World) {
+    fn judge_progress(
+        &mut self,
+        distance: f32,
+        params: &mut MovementParameters,
+        world: &mut World,
+    ) {
         let now = world.clock.now;
         let idle = !self.is_interpolating() && !self.motions_pending();
         let snaps = world.profile.move_to_arrival == MoveToArrival::Snaps;

@@ -3,8 +3,8 @@
 //! Source: `spec/08-motion.md`, section 10, and `spec/06-physics-object.md`, E7.
 
 use super::{
-    Command, InterpretedMotionState, MotionError, MotionInterp, MotionResult, MoveToManager, Mover,
-    MovementParameters, RawMotionState,
+    Command, InterpretedMotionState, MotionError, MotionInterp, MotionResult, MoveToManager,
+    MovementParameters, Mover, RawMotionState,
 };
 use crate::entity::Entity;
 use crate::math::Position;
@@ -121,7 +121,7 @@ impl Entity {
     }
 
     /// `MovementManager::EnterDefaultState` (10.3; `D8`).
-    pub(crate) fn movement_enter_default_state(&mut self, world: &mut World) {
+    pub fn movement_enter_default_state(&mut self, world: &mut World) {
         let fresh = self.interp().is_none();
         self.ensure_interp();
         if fresh && world.profile.default_state == DefaultState::Twice {
@@ -191,6 +191,19 @@ impl Entity {
         };
         self.check_for_completed_motions(world);
         result
+    }
+
+    /// A movement on behalf of the local input whose manager is made if missing: what the steps of a scene do (10.12).
+    ///
+    /// # Errors
+    /// As [`Entity::perform_movement`].
+    pub fn perform_autonomous_movement(
+        &mut self,
+        movement: &Movement,
+        world: &mut World,
+    ) -> MotionResult {
+        self.kin.last_move_was_autonomous = true;
+        self.perform_movement(movement, world)
     }
 
     /// A raw motion on behalf of the local input (`DoMotion` wrapper, 10.11).
@@ -302,13 +315,13 @@ impl Entity {
     }
 
     /// The object stands on walkable ground again (`MovementManager::HitGround`, 10.5).
-    pub(crate) fn movement_hit_ground(&mut self, world: &mut World) {
+    pub fn movement_hit_ground(&mut self, world: &mut World) {
         self.interp_hit_ground(world);
         self.move_to_hit_ground(world);
     }
 
     /// The object has left walkable ground (`MovementManager::LeaveGround`, 10.5).
-    pub(crate) fn movement_leave_ground(&mut self, world: &mut World) {
+    pub fn movement_leave_ground(&mut self, world: &mut World) {
         self.interp_leave_ground(world);
     }
 

@@ -206,7 +206,10 @@ mod tests {
         raw.apply_motion(Command::NON_COMBAT, &params);
         assert_eq!(raw.forward.command, Command::WALK_FORWARD);
         raw.apply_motion(Command::DUAL_WIELD_COMBAT, &params);
-        assert_eq!((raw.forward.command, raw.forward.speed), (Command::READY, 2.0));
+        assert_eq!(
+            (raw.forward.command, raw.forward.speed),
+            (Command::READY, 2.0)
+        );
         raw.remove_motion(Command::DUAL_WIELD_COMBAT);
         assert_eq!(raw.style, Command::NON_COMBAT);
     }
@@ -219,7 +222,11 @@ mod tests {
         let truncated = RawMotionState::unpack(&mut Reader::new(&message[..6]));
         assert_eq!(
             truncated,
-            Err(WireError::TooShort { at: 4, wanted: 4, left: 2 })
+            Err(WireError::TooShort {
+                at: 4,
+                wanted: 4,
+                left: 2
+            })
         );
         message[4] = 3;
         let unknown = RawMotionState::unpack(&mut Reader::new(&message));
@@ -244,14 +251,7 @@ mod tests {
             .chunks(4)
             .map(|c| u32::from_le_bytes([c[0], c[1], c[2], c[3]]))
             .collect();
-        let expected = [
-            0x705,
-            2,
-            0x4500_0005,
-            0x6500_000E,
-            1,
-            1.5f32.to_bits(),
-        ];
+        let expected = [0x705, 2, 0x4500_0005, 0x6500_000E, 1, 1.5f32.to_bits()];
         assert_eq!(words, expected);
         assert_eq!(RawMotionState::unpack(&mut Reader::new(&message)), Ok(raw));
     }

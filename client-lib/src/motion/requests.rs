@@ -90,7 +90,8 @@ impl Entity {
         if interp.interpreted.style != Command::NON_COMBAT {
             combat_error(command)?;
         }
-        if command.is_action() && interp.interpreted.actions.len() >= super::constants::MAX_ACTIONS {
+        if command.is_action() && interp.interpreted.actions.len() >= super::constants::MAX_ACTIONS
+        {
             return Err(MotionError::TooManyActions);
         }
         self.interp_do_interpreted_motion(motion, &adjusted, world)?;
@@ -206,13 +207,13 @@ impl Entity {
         world: &mut World,
     ) -> MotionResult {
         let long_jump = self.interp().is_some_and(|interp| interp.standing_longjump);
-        let animated = contact_allows_move(command, &self.mover(world))
+        let animates = contact_allows_move(command, &self.mover(world))
             && !(long_jump && held_back_by_long_jump(command));
-        if animated {
+        if animates {
             animated(self.stop_interpreted_motion(command.0, world))?;
         }
         if let Some(interp) = self.interp_mut() {
-            if animated {
+            if animates {
                 interp.add_to_queue(params.context_id, Command::READY, false);
             }
             if params.has(MovementFlags::MODIFY_INTERPRETED_STATE) {
@@ -346,7 +347,12 @@ impl Entity {
         let sidestep = (state.sidestep_command, state.sidestep_speed);
         if interp.standing_longjump {
             self.repeat_motion(Command::READY, 1.0, params, world);
-            self.repeat_or_stop((Command::NONE, 1.0), Command::SIDE_STEP_RIGHT, params, world);
+            self.repeat_or_stop(
+                (Command::NONE, 1.0),
+                Command::SIDE_STEP_RIGHT,
+                params,
+                world,
+            );
         } else {
             self.repeat_motion(forward, speed, params, world);
             self.repeat_or_stop(sidestep, Command::SIDE_STEP_RIGHT, params, world);

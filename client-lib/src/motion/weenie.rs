@@ -86,7 +86,12 @@ impl MotionCallbacks for Character {
     fn jump_stamina_cost(&self, extent: f32, profile: &Profile) -> Option<i32> {
         self.stamina.filter(|_| self.answers(profile))?;
         let pk = self.recent_player_fight;
-        Some(formulas::jump_stamina_cost(extent, self.load(), pk, profile))
+        Some(formulas::jump_stamina_cost(
+            extent,
+            self.load(),
+            pk,
+            profile,
+        ))
     }
 }
 
@@ -121,6 +126,10 @@ impl MotionCallbacks for Weenie {
 }
 
 #[cfg(test)]
+#[allow(
+    clippy::excessive_precision,
+    reason = "digits as the specification prints them"
+)]
 mod tests {
     use super::*;
 

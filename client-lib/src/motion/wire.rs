@@ -87,7 +87,10 @@ impl<'a> Reader<'a> {
 
     /// Skips to the next multiple of 4. Padding that is missing at the end of the message is no error: nothing follows it.
     pub fn align(&mut self) {
-        self.at = self.at.next_multiple_of(4).min(self.message.len().max(self.at));
+        self.at = self
+            .at
+            .next_multiple_of(4)
+            .min(self.message.len().max(self.at));
     }
 }
 

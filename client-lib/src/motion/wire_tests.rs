@@ -13,7 +13,11 @@ fn speed() -> impl Strategy<Value = f32> {
 }
 
 fn hold_key() -> impl Strategy<Value = HoldKey> {
-    prop_oneof![Just(HoldKey::Invalid), Just(HoldKey::None), Just(HoldKey::Run)]
+    prop_oneof![
+        Just(HoldKey::Invalid),
+        Just(HoldKey::None),
+        Just(HoldKey::Run)
+    ]
 }
 
 fn axis_command() -> impl Strategy<Value = Command> {

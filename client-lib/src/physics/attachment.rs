@@ -75,7 +75,12 @@ impl Entity {
     ///
     /// The object leaves the world, enters its parent's cell, and is moved only by its parent from now on. A carrier of the parent cannot
     /// become its child: retail does not check this and recurses without end.
-    pub fn set_parent(&mut self, parent: EntityId, attachment: Attachment, world: &mut World) -> bool {
+    pub fn set_parent(
+        &mut self,
+        parent: EntityId,
+        attachment: Attachment,
+        world: &mut World,
+    ) -> bool {
         if parent == self.id || self.carries(parent, world) {
             return false;
         }
@@ -204,8 +209,7 @@ impl Entity {
     /// Forgets contact and ground (`clear_transient_states`): all transient bits are clear afterwards.
     pub(crate) fn clear_transient_states(&mut self, world: &mut World) {
         self.kin.transient.remove(TransientState::CONTACT);
-        self.kin
-            .calc_acceleration(self.body.state, &world.profile);
+        self.kin.calc_acceleration(self.body.state, &world.profile);
         let was_walkable = self.kin.transient.contains(TransientState::ON_WALKABLE);
         self.kin
             .transient
@@ -213,8 +217,7 @@ impl Entity {
         if was_walkable {
             self.leave_ground(world);
         }
-        self.kin
-            .calc_acceleration(self.body.state, &world.profile);
+        self.kin.calc_acceleration(self.body.state, &world.profile);
         self.kin.transient.remove(LEAVING_MASK);
     }
 }

@@ -38,6 +38,8 @@ pub struct WeenieFlags {
     pub pk_lite: bool,
     /// Is impenetrable: a player whose status is "free".
     pub impenetrable: bool,
+    /// May enter barred house cells.
+    pub bypasses_restrictions: bool,
     /// Is a storage container (collision exemption of its owner's missiles).
     pub storage: bool,
 }

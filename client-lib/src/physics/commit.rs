@@ -38,7 +38,7 @@ impl Entity {
         }
         if self.body.state.contains(PhysicsState::HAS_PHYSICS_BSP) {
             self.calc_cross_cells(world);
-        } else if !result.cells.cells.is_empty() {
+        } else if result.cells.entries().next().is_some() {
             self.remove_shadows_from_cells(world);
             self.add_shadows_to_cells(&result.cells, world);
         }
@@ -51,8 +51,7 @@ impl Entity {
         self.kin.contact_plane = plane.plane;
         self.kin.contact_plane_cell_id = plane.cell_id;
         self.kin.transient.set(TransientState::CONTACT, plane.valid);
-        self.kin
-            .calc_acceleration(self.body.state, &world.profile);
+        self.kin.calc_acceleration(self.body.state, &world.profile);
         self.kin
             .transient
             .set(TransientState::WATER_CONTACT, plane.is_water);
@@ -66,8 +65,7 @@ impl Entity {
         if was_walkable {
             self.leave_ground(world);
         }
-        self.kin
-            .calc_acceleration(self.body.state, &world.profile);
+        self.kin.calc_acceleration(self.body.state, &world.profile);
     }
 
     /// Stands on walkable ground, or no longer (`set_on_walkable`, B7); the movement manager is told of a change.
@@ -81,8 +79,7 @@ impl Entity {
         } else if !was && walkable {
             self.hit_ground(world);
         }
-        self.kin
-            .calc_acceleration(self.body.state, &world.profile);
+        self.kin.calc_acceleration(self.body.state, &world.profile);
     }
 
     /// Leaves all cells and waits, inactive, until the cell of `position` is there (C2 step 2; G7).

@@ -209,13 +209,7 @@ impl Entity {
         self.body.state.contains(PhysicsState::REPORT_COLLISIONS) && self.weenie.is_some()
     }
 
-    fn report_to_self(
-        &mut self,
-        other: &Other,
-        relative: Vec3,
-        was_contact: bool,
-        world: &World,
-    ) {
+    fn report_to_self(&mut self, other: &Other, relative: Vec3, was_contact: bool, world: &World) {
         if !self.weenie.as_ref().is_some_and(|w| w.collects_reports) {
             return;
         }
@@ -224,11 +218,9 @@ impl Entity {
         };
         let report = if self.body.state.contains(PhysicsState::MISSILE) {
             let quadrant = world.entity(id).map_or(0, |o| {
-                o.body.position.quadrant_of(
-                    o.height(),
-                    &self.body.position,
-                    &world.profile,
-                )
+                o.body
+                    .position
+                    .quadrant_of(o.height(), &self.body.position, &world.profile)
             });
             CollisionReport::Attack(AttackReport {
                 guid: other.guid,
@@ -310,7 +302,10 @@ impl Entity {
         if self.kin.colliding_with_environment {
             return false;
         }
-        let result = self.reports_collisions();
+        // Profile `ace` counts the report as made also without a weenie.
+        let result = self.reports_collisions()
+            || (self.body.state.contains(PhysicsState::REPORT_COLLISIONS)
+                && world.profile.reports == Reports::EachTouch);
         if result && self.weenie.as_ref().is_some_and(|w| w.collects_reports) {
             self.reports
                 .push(CollisionReport::Environment(EnvironmentReport {
@@ -353,7 +348,9 @@ impl Entity {
     fn report_object_collision_end(&mut self, guid: u32, world: &mut World) {
         let own_reports = self.reports_collisions();
         let own_guid = self.body.guid;
-        let other = world.entity_of_guid(guid).and_then(|id| world.entity_mut(id));
+        let other = world
+            .entity_of_guid(guid)
+            .and_then(|id| world.entity_mut(id));
         let tells_self = match other {
             Some(other) => {
                 let environment = other

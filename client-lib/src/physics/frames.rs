@@ -45,7 +45,7 @@ impl Entity {
     pub fn store_position(&mut self, position: &Position, world: &mut World) {
         let mut place = *position;
         if !place.cell.is_indoor() {
-            place.adjust_to_outside();
+            place.adjust_to_outside(&world.profile);
         }
         self.set_cell_id(place.cell);
         self.set_frame(place.frame, world);

@@ -21,8 +21,9 @@ impl Entity {
         let mut index = 0;
         while let Some(hook) = self.queued_hook(index) {
             index += 1;
+            // Traces name every hook, also one that this profile does nothing about.
+            self.events.push(FrameEvent::AnimHook(hook.kind()));
             if is_executed(&hook, &world.profile) {
-                self.events.push(FrameEvent::AnimHook(hook.kind()));
                 self.execute_hook(hook, world);
             }
         }
@@ -38,7 +39,12 @@ impl Entity {
 
     /// Whether a hook waits to be executed.
     pub fn has_hooks(&self) -> bool {
-        !self.hooks.is_empty() || self.body.part_array.as_ref().is_some_and(|p| !p.hooks.is_empty())
+        !self.hooks.is_empty()
+            || self
+                .body
+                .part_array
+                .as_ref()
+                .is_some_and(|p| !p.hooks.is_empty())
     }
 
     fn process_timed_hooks(&mut self, world: &World) {

@@ -8,7 +8,7 @@ use crate::entity::Kinetics;
 use crate::math::vector::{self, EPSILON};
 use crate::math::{Frame, Vec3};
 use crate::physics::state::{PhysicsState, TransientState};
-use crate::profile::{Profile, Sledding};
+use crate::profile::{Profile, Sledding, Width};
 
 /// Acceleration of gravity along z, m/s².
 pub const GRAVITY: f32 = -9.8;
@@ -57,10 +57,9 @@ impl Kinetics {
             if speed_squared - SMALL_VELOCITY_SQUARED < EPSILON {
                 self.velocity = Vec3::ZERO;
             }
-            frame.origin +=
-                self.acceleration * 0.5 * quantum * quantum + self.velocity * quantum;
-            self.velocity += self.acceleration * quantum;
+            frame.origin += self.acceleration * 0.5 * quantum * quantum + self.velocity * quantum;
         }
+        self.velocity += self.acceleration * quantum;
         frame.grotate(self.omega * quantum, profile);
     }
 
@@ -86,7 +85,11 @@ impl Kinetics {
         } else {
             f64::from(self.friction)
         };
-        self.velocity *= libm::pow(1.0 - friction, f64::from(quantum)) as f32;
+        let kept = match profile.friction_base {
+            Width::F64 => 1.0 - friction,
+            Width::F32 => f64::from(1.0 - friction as f32),
+        };
+        self.velocity *= libm::pow(kept, f64::from(quantum)) as f32;
     }
 
     fn sled_friction(&self, speed_squared: f32, normal_z: f32, profile: &Profile) -> f64 {
@@ -108,8 +111,7 @@ impl Kinetics {
         let on_ground = self
             .transient
             .contains(TransientState::CONTACT | TransientState::ON_WALKABLE);
-        let sleds =
-            state.contains(PhysicsState::SLEDDING) && profile.sledding == Sledding::Steep;
+        let sleds = state.contains(PhysicsState::SLEDDING) && profile.sledding == Sledding::Steep;
         if on_ground && !sleds {
             self.acceleration = Vec3::ZERO;
             self.omega = Vec3::ZERO;
@@ -139,7 +141,8 @@ impl Kinetics {
                 self.velocity = vector::normalize(velocity, profile) * MAX_VELOCITY;
             }
         }
-        self.jumped_this_frame = true;
+        // Profile `gdle` leaves the mark alone when nothing changes.
+        self.jumped_this_frame |= !(unchanged && profile.set_velocity_tolerant);
         self.set_active(true, state, now);
     }
 

@@ -189,8 +189,7 @@ impl Entity {
         self.leave_cell(false, world);
         self.set_cell_id(CellId::NONE);
         self.kin.transient.remove(TransientState::CONTACT);
-        self.kin
-            .calc_acceleration(self.body.state, &world.profile);
+        self.kin.calc_acceleration(self.body.state, &world.profile);
         let was_walkable = self.kin.transient.contains(TransientState::ON_WALKABLE);
         self.kin
             .transient
@@ -198,8 +197,7 @@ impl Entity {
         if was_walkable {
             self.leave_ground(world);
         }
-        self.kin
-            .calc_acceleration(self.body.state, &world.profile);
+        self.kin.calc_acceleration(self.body.state, &world.profile);
         self.kin.transient.remove(LEAVING_MASK);
     }
 

@@ -106,8 +106,8 @@ impl Entity {
                 );
             }
         } else {
-            for &entry in &cells.cells {
-                self.add_shadow(entry, world);
+            for entry in cells.entries() {
+                self.add_shadow(*entry, world);
             }
         }
         self.for_each_child(world, |child, world, _| {
@@ -134,7 +134,7 @@ impl Entity {
         let object = self.object_ref();
         for entry in self.body.shadows.drain(..) {
             if let Some(cell) = entry.cell {
-                world.land.remove_shadow(cell, object);
+                world.land.remove_shadow(cell, object, &world.profile);
             }
         }
         self.for_each_child(world, |child, world, _| {
@@ -144,7 +144,6 @@ impl Entity {
 
     /// Finds the cells this object touches where it is, and throws its shadows there (`calc_cross_cells`).
     pub(crate) fn calc_cross_cells(&mut self, world: &mut World) {
-        world.ensure_loaded_around(&self.body.position);
         let mut cells = std::mem::take(&mut world.scratch.cells);
         world.cells_of_body(&self.body, &mut cells);
         self.remove_shadows_from_cells(world);
@@ -168,7 +167,9 @@ impl Entity {
             self.remove_shadows_from_cells(world);
             self.add_shadows_to_cells(&CellArray::default(), world);
         }
-        self.for_each_child(world, |child, world, _| child.recalc_at_depth(world, depth + 1));
+        self.for_each_child(world, |child, world, _| {
+            child.recalc_at_depth(world, depth + 1)
+        });
     }
 
     /// Whether the object has a cell and all its shadows are in lists.

@@ -8,9 +8,13 @@ pub mod body;
 pub mod collision;
 mod commit;
 pub mod contacts;
+#[cfg(test)]
+mod contacts_tests;
 mod frames;
 mod hooks;
 pub mod integrator;
+#[cfg(test)]
+mod integrator_tests;
 pub mod lifecycle;
 pub mod maintenance;
 pub mod managers;

@@ -13,8 +13,6 @@ use crate::world::World;
 
 /// Error of a motion command on an object without parts: general movement failure.
 pub const GENERAL_MOVEMENT_FAILURE: u32 = 0x47;
-/// Error of a motion command on an object without a movement manager or motion table.
-pub const NO_ANIMATION_TABLE: u32 = 0x07;
 
 impl Entity {
     /// Starts a motion of the motion table (`DoInterpretedMotion`); 0, or the client's error code.
@@ -162,12 +160,8 @@ impl Entity {
 
     /// Takes a velocity, m/s in world axes (`set_velocity`).
     pub fn set_velocity(&mut self, velocity: Vec3, world: &World) {
-        self.kin.set_velocity(
-            velocity,
-            self.body.state,
-            world.clock.now,
-            &world.profile,
-        );
+        self.kin
+            .set_velocity(velocity, self.body.state, world.clock.now, &world.profile);
     }
 
     /// Takes a velocity in the object's own axes, m/s (`set_local_velocity`).

@@ -95,7 +95,10 @@ impl Entity {
             self.scatter(to, &mut tries, world)
         } else {
             match self.place(to.position, to, &mut tries, world) {
-                error if error != SetPositionError::Ok && to.flags.contains(PlacementFlags::SCATTER) => {
+                error
+                    if error != SetPositionError::Ok
+                        && to.flags.contains(PlacementFlags::SCATTER) =>
+                {
                     self.scatter(to, &mut tries, world)
                 }
                 result => result,
@@ -146,14 +149,19 @@ impl Entity {
         tries: &mut Tries<'_>,
         world: &mut World,
     ) -> SetPositionError {
-        if self.body.cell.is_none() {
+        let enters = self.body.cell.is_none();
+        if enters {
             self.prepare_to_enter_world(world);
         }
         let slide = to.flags.contains(PlacementFlags::SLIDE);
         let do_not_load = to.flags.contains(PlacementFlags::DONT_CREATE_CELLS);
         let input = self.placement_input(None, &place, slide, do_not_load, world);
-        let low = input.spheres.as_slice().first().map_or_else(Default::default, |s| s.center);
-        let Some(cell) = world.adjust_position(&mut place, low) else {
+        let low = input
+            .spheres
+            .as_slice()
+            .first()
+            .map_or_else(Default::default, |s| s.center);
+        let Some(cell) = world.adjust_position(&mut place, low, true) else {
             self.become_lost(&place, world);
             return SetPositionError::Ok;
         };
@@ -184,6 +192,11 @@ impl Entity {
             return SetPositionError::NoCell;
         }
         let result = std::mem::take(&mut tries.transit.result);
+        if enters && world.profile.server_scatter && !result.position.cell.same_block(place.cell) {
+            // O-28: a spawn that ends in another landblock is refused.
+            tries.transit.result = result;
+            return SetPositionError::GeneralFailure;
+        }
         self.set_position_internal(&result, world);
         tries.transit.result = result;
         SetPositionError::Ok

@@ -32,7 +32,11 @@ impl Entity {
 
     /// The own spheres, scaled, or what stands in for them.
     fn mover_spheres(&self, purpose: SphereUse, world: &World) -> MoverSpheres {
-        let spheres = self.body.part_array.as_ref().map_or(&[][..], |p| p.spheres());
+        let spheres = self
+            .body
+            .part_array
+            .as_ref()
+            .map_or(&[][..], |p| p.spheres());
         MoverSpheres::new(spheres, self.body.scale, purpose, &world.profile)
     }
 
@@ -42,10 +46,7 @@ impl Entity {
             valid: true,
             plane: self.kin.contact_plane,
             cell_id: self.kin.contact_plane_cell_id,
-            is_water: self
-                .kin
-                .transient
-                .contains(TransientState::WATER_CONTACT),
+            is_water: self.kin.transient.contains(TransientState::WATER_CONTACT),
         }
     }
 
@@ -153,7 +154,15 @@ impl Entity {
             input: &input,
             result: None,
         };
-        observe(self, world, probe, TickStage::Transition, quantum, data, Side::Before);
+        observe(
+            self,
+            world,
+            probe,
+            TickStage::Transition,
+            quantum,
+            data,
+            Side::Before,
+        );
         let valid = world.run_transition(&mut transit, &input);
         world.slots.cleanup();
         if transit.result.velocity_killed {
@@ -163,7 +172,15 @@ impl Entity {
             input: &input,
             result: Some(&transit.result),
         };
-        observe(self, world, probe, TickStage::Transition, quantum, data, Side::After);
+        observe(
+            self,
+            world,
+            probe,
+            TickStage::Transition,
+            quantum,
+            data,
+            Side::After,
+        );
         if valid {
             return Some(transit);
         }
@@ -197,7 +214,11 @@ impl Entity {
                 continue;
             };
             let mut at = 0;
-            while let Some(object) = world.land.shadow_at(cell, at) {
+            while let Some(object) = world
+                .land
+                .cell(cell)
+                .and_then(|c| c.base().shadows.get(at).copied())
+            {
                 at += 1;
                 let ObjectRef::Entity(id) = object else {
                     // Static objects never report.

@@ -83,9 +83,6 @@ impl Entity {
             return;
         }
         self.cull_by_distance(world);
-        if self.position_manager.as_ref().is_some_and(|m| m.is_broken()) {
-            return;
-        }
         world.clock.sim_time = self.kin.update_time;
         let gap = now - self.kin.update_time;
         if gap <= world.profile.min_quantum {
@@ -96,6 +93,9 @@ impl Entity {
             return;
         }
         self.run_quanta(gap, world, probe);
+        if self.is_broken() {
+            return;
+        }
         self.kin.update_time = match world.profile.remainder {
             Remainder::Kept => world.clock.sim_time,
             Remainder::Dropped => now,
@@ -107,6 +107,9 @@ impl Entity {
         while gap > longest {
             world.clock.sim_time += longest;
             self.run_quantum(longest, world, probe);
+            if self.is_broken() {
+                return;
+            }
             gap -= longest;
         }
         if gap > shortest {
@@ -147,6 +150,10 @@ impl Entity {
             self.set_ethereal(false, world);
         }
         self.kin.jumped_this_frame = false;
+        if self.is_broken() {
+            self.break_off(quantum, &world.profile);
+            return;
+        }
         let wanted = self.update_position(quantum, world, probe);
         let Some(outcome) = self.move_to_wanted(wanted, quantum.narrow, world, probe) else {
             return;
@@ -155,6 +162,29 @@ impl Entity {
         self.steps.push(Step {
             dt: quantum.narrow,
             outcome,
+        });
+    }
+
+    /// Whether the profile's interpolation has broken this object (O-38): its update ends in every quantum where the offset is adjusted.
+    fn is_broken(&self) -> bool {
+        self.position_manager
+            .as_ref()
+            .is_some_and(|m| m.is_broken())
+    }
+
+    /// What a broken object still does: its animation goes on, and the quantum is listed. The clock stays, so quanta grow to the longest.
+    fn break_off(&mut self, quantum: Quantum, profile: &Profile) {
+        if !self.body.state.contains(PhysicsState::HIDDEN) {
+            let mut offset = Frame::IDENTITY;
+            self.animate(&mut offset, quantum.narrow, profile);
+        }
+        if let Some(parts) = &mut self.body.part_array {
+            // Nobody will execute them.
+            parts.hooks.clear();
+        }
+        self.steps.push(Step {
+            dt: quantum.narrow,
+            outcome: Outcome::None,
         });
     }
 
@@ -168,19 +198,62 @@ impl Entity {
         let hidden = self.body.state.contains(PhysicsState::HIDDEN);
         let mut offset = Frame::IDENTITY;
         if !hidden {
-            observe(self, world, probe, TickStage::Animation, quantum.narrow, StageData::Offset(&offset), Side::Before);
+            observe(
+                self,
+                world,
+                probe,
+                TickStage::Animation,
+                quantum.narrow,
+                StageData::Offset(&offset),
+                Side::Before,
+            );
             self.animate(&mut offset, quantum.narrow, &world.profile);
-            observe(self, world, probe, TickStage::Animation, quantum.narrow, StageData::Offset(&offset), Side::After);
+            observe(
+                self,
+                world,
+                probe,
+                TickStage::Animation,
+                quantum.narrow,
+                StageData::Offset(&offset),
+                Side::After,
+            );
         }
         if self.position_manager.is_some() {
-            observe(self, world, probe, TickStage::Adjust, quantum.narrow, StageData::Offset(&offset), Side::Before);
+            observe(
+                self,
+                world,
+                probe,
+                TickStage::Adjust,
+                quantum.narrow,
+                StageData::Offset(&offset),
+                Side::Before,
+            );
             self.adjust_offset(&mut offset, quantum.wide, world);
-            observe(self, world, probe, TickStage::Adjust, quantum.narrow, StageData::Offset(&offset), Side::After);
+            observe(
+                self,
+                world,
+                probe,
+                TickStage::Adjust,
+                quantum.narrow,
+                StageData::Offset(&offset),
+                Side::After,
+            );
         }
         let mut frame = self.body.position.frame.combine(&offset, &world.profile);
         if !hidden {
-            let data = StageData::Integrate { offset: &offset, frame: &frame };
-            observe(self, world, probe, TickStage::Integrate, quantum.narrow, data, Side::Before);
+            let data = StageData::Integrate {
+                offset: &offset,
+                frame: &frame,
+            };
+            observe(
+                self,
+                world,
+                probe,
+                TickStage::Integrate,
+                quantum.narrow,
+                data,
+                Side::Before,
+            );
             self.kin.update_physics(
                 &mut frame,
                 quantum.narrow,
@@ -188,13 +261,40 @@ impl Entity {
                 self.movement.is_some(),
                 &world.profile,
             );
-            let data = StageData::Integrate { offset: &offset, frame: &frame };
-            observe(self, world, probe, TickStage::Integrate, quantum.narrow, data, Side::After);
+            let data = StageData::Integrate {
+                offset: &offset,
+                frame: &frame,
+            };
+            observe(
+                self,
+                world,
+                probe,
+                TickStage::Integrate,
+                quantum.narrow,
+                data,
+                Side::After,
+            );
         }
         if self.has_hooks() {
-            observe(self, world, probe, TickStage::Hooks, quantum.narrow, StageData::None, Side::Before);
+            observe(
+                self,
+                world,
+                probe,
+                TickStage::Hooks,
+                quantum.narrow,
+                StageData::None,
+                Side::Before,
+            );
             self.process_hooks(world);
-            observe(self, world, probe, TickStage::Hooks, quantum.narrow, StageData::None, Side::After);
+            observe(
+                self,
+                world,
+                probe,
+                TickStage::Hooks,
+                quantum.narrow,
+                StageData::None,
+                Side::After,
+            );
         }
         frame
     }
@@ -286,12 +386,32 @@ impl Entity {
         world: &mut World,
         probe: &mut P,
     ) {
-        let data = StageData::Commit { kind: CommitKind::Transition, frame: wanted };
-        observe(self, world, probe, TickStage::Commit, quantum, data, Side::Before);
+        let data = StageData::Commit {
+            kind: CommitKind::Transition,
+            frame: wanted,
+        };
+        observe(
+            self,
+            world,
+            probe,
+            TickStage::Commit,
+            quantum,
+            data,
+            Side::Before,
+        );
         let moved = self.body.position.offset_to(&result.position);
-        self.kin.cached_velocity = Vec3::new(moved.x / quantum, moved.y / quantum, moved.z / quantum);
+        self.kin.cached_velocity =
+            Vec3::new(moved.x / quantum, moved.y / quantum, moved.z / quantum);
         self.set_position_internal(result, world);
-        observe(self, world, probe, TickStage::Commit, quantum, data, Side::After);
+        observe(
+            self,
+            world,
+            probe,
+            TickStage::Commit,
+            quantum,
+            data,
+            Side::After,
+        );
     }
 
     /// Keeps the origin and takes the rotation.
@@ -303,8 +423,19 @@ impl Entity {
         world: &mut World,
         probe: &mut P,
     ) {
-        let data = StageData::Commit { kind, frame: &wanted };
-        observe(self, world, probe, TickStage::Commit, quantum, data, Side::Before);
+        let data = StageData::Commit {
+            kind,
+            frame: &wanted,
+        };
+        observe(
+            self,
+            world,
+            probe,
+            TickStage::Commit,
+            quantum,
+            data,
+            Side::Before,
+        );
         let mut frame = wanted;
         // Profile `ace` keeps the tiny displacement of an object that "has not moved" (O-05).
         let keeps_displacement =
@@ -324,7 +455,15 @@ impl Entity {
             self.set_frame(frame, world);
         }
         self.kin.cached_velocity = Vec3::ZERO;
-        observe(self, world, probe, TickStage::Commit, quantum, data, Side::After);
+        observe(
+            self,
+            world,
+            probe,
+            TickStage::Commit,
+            quantum,
+            data,
+            Side::After,
+        );
     }
 
     /// Targets, move-to, completed motions, position managers (B4 steps 9 to 12).
@@ -341,9 +480,25 @@ impl Entity {
         if !runs {
             return;
         }
-        observe(self, world, probe, TickStage::Motion, quantum.narrow, StageData::None, Side::Before);
+        observe(
+            self,
+            world,
+            probe,
+            TickStage::Motion,
+            quantum.narrow,
+            StageData::None,
+            Side::Before,
+        );
         self.run_managers(world);
-        observe(self, world, probe, TickStage::Motion, quantum.narrow, StageData::None, Side::After);
+        observe(
+            self,
+            world,
+            probe,
+            TickStage::Motion,
+            quantum.narrow,
+            StageData::None,
+            Side::After,
+        );
     }
 
     /// The managers of one quantum, in the client's order.

@@ -21,8 +21,6 @@ pub struct CellBase {
     pub shadows: Vec<ObjectRef>,
     /// GUID of the house barrier; 0 for none.
     pub restriction: u32,
-    /// GUIDs of objects that are told about arrivals and departures, in order of registration.
-    pub voyeurs: Vec<u32>,
 }
 
 /// An outdoor cell. Its two triangles are in the terrain of its block.

@@ -37,13 +37,16 @@ pub struct SpheresAt<'a> {
     pub spheres: &'a [Sphere],
     /// The list is a transition's.
     pub is_path: bool,
+    /// Whether the cell of the first sphere's centre is looked for. If that is an indoor cell, the list is not restricted to what the start
+    /// cell sees.
+    pub want_current: bool,
 }
 
 /// What a cell list answers beside the list.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct CellListOutcome {
-    /// The cell that contains the first sphere's centre; `None` inside if no cell does, `None` outside if it was not looked for: there are no
-    /// spheres, or the start cell is not there.
+    /// The cell that contains the first sphere's centre; `None` inside if no cell does, `None` outside if it was not looked for: nobody
+    /// asked, there are no spheres, or the start cell is not there.
     pub current: Option<Option<CellHandle>>,
     /// Some touched cell is indoor.
     pub hits_interior_cell: bool,
@@ -112,6 +115,7 @@ impl Landscape {
             position: &body.position,
             spheres: &spheres,
             is_path: false,
+            want_current: false,
         };
         self.find_cell_list(at, array, profile).missing
     }
@@ -203,6 +207,7 @@ impl Transition<'_> {
             position: &self.path.check_pos,
             spheres: &self.path.global_sphere[..count],
             is_path: true,
+            want_current: current.is_some(),
         };
         let world = self.world;
         let outcome = world
@@ -268,7 +273,7 @@ impl Builder<'_> {
             }
             k += 1;
         }
-        if !self.find_current(at) {
+        if !(at.want_current && self.find_current(at)) {
             self.filter_unseen(start, start_cell, at.is_path);
         }
     }
@@ -320,9 +325,12 @@ impl Builder<'_> {
         };
         let seen = |id: CellId| env.stab_list.contains(&id);
         match self.profile.do_not_load {
-            DoNotLoad::OwnEntry => self.array.filter(self.profile, |id| id != start || seen(id)),
+            DoNotLoad::OwnEntry => self
+                .array
+                .filter(self.profile, |id| id != start || seen(id)),
             DoNotLoad::Statics | DoNotLoad::StartsIndoors => {
-                self.array.filter(self.profile, |id| id == start || seen(id));
+                self.array
+                    .filter(self.profile, |id| id == start || seen(id));
             }
         }
     }
@@ -407,12 +415,19 @@ impl Builder<'_> {
         let mut outside = false;
         for portal in &env.portals {
             let distance = |sphere: &Sphere| {
-                let local = env.position.frame.global_to_local(sphere.center, self.profile);
+                let local = env
+                    .position
+                    .frame
+                    .global_to_local(sphere.center, self.profile);
                 (portal.plane.distance(local), sphere.radius + EPSILON)
             };
             let PortalTarget::Cell(id) = portal.target else {
                 // The plane only, not the polygon.
-                outside |= at.spheres.iter().map(distance).any(|(d, r)| -r < d && d < r);
+                outside |= at
+                    .spheres
+                    .iter()
+                    .map(distance)
+                    .any(|(d, r)| -r < d && d < r);
                 continue;
             };
             match self.neighbour(env, id) {

@@ -23,8 +23,10 @@ const UNKNOWN: u32 = 0;
 const ABSENT: u32 = 1;
 /// Entries from here on are slots.
 const FIRST_SLOT: u32 = 2;
-/// Entry of a block's indoor list: the record cannot be read.
+/// Entry of a block's indoor list: there is no such cell, or its record cannot be read.
 const BROKEN: u32 = u32::MAX;
+/// Indoor cells that are noted as absent.
+const MAX_ABSENT_ROOMS: u32 = 1 << 16;
 /// Blocks of the largest possible id space, existing or not.
 const BLOCK_NUMBERS: usize = 1 << 16;
 
@@ -87,6 +89,11 @@ pub struct Landscape {
     free_env_cells: Vec<u32>,
     statics: Vec<Option<Box<StaticObject>>>,
     free_statics: Vec<u32>,
+    absent_rooms: u32,
+    /// Static objects with a default animation, in order of creation.
+    pub(super) animated_statics: Vec<StaticId>,
+    /// Some shadow records may name cells of released blocks.
+    pub(super) has_unlinked: bool,
 }
 
 impl Default for Landscape {
@@ -114,6 +121,9 @@ impl Landscape {
             free_env_cells: Vec::new(),
             statics: Vec::new(),
             free_statics: Vec::new(),
+            absent_rooms: 0,
+            animated_statics: Vec::new(),
+            has_unlinked: false,
         }
     }
 
@@ -150,7 +160,8 @@ impl Landscape {
         match self.block_table[usize::from(id.block())] {
             ABSENT => None,
             UNKNOWN => {
-                if self.block_exists(id) {
+                // Also for blocks without a record: the loader notes that they are absent, and they are not asked for again.
+                if id.block_coord().is_some() {
                     missing.note(Demand {
                         cell: id,
                         without_statics: false,
@@ -182,12 +193,18 @@ impl Landscape {
                 Some(CellHandle(slot | INDOOR))
             }
             None => {
-                if id.low() <= 0xFFFD && self.source.has_cell_record(id.0) {
+                if id.low() <= 0xFFFD && self.may_exist(id) {
                     missing.note(demand);
                 }
                 None
             }
         }
+    }
+
+    /// Whether it is worth trying to load an indoor cell. Ids come from strangers too: only so many are noted as absent, the rest is asked for
+    /// every time.
+    fn may_exist(&self, id: CellId) -> bool {
+        self.absent_rooms < MAX_ABSENT_ROOMS || self.source.has_cell_record(id.0)
     }
 
     fn env_slot(&self, id: CellId) -> Option<u32> {
@@ -199,17 +216,12 @@ impl Landscape {
         Some(rooms[at].1)
     }
 
-    /// Whether the block of an id is on the map and has a record.
-    pub fn block_exists(&self, id: CellId) -> bool {
-        id.block_coord().is_some() && self.source.has_cell_record(id.with_low(0xFFFF).0)
-    }
-
     /// The cell of an id if it is loaded, with or without its static objects.
     pub fn loaded(&self, id: CellId) -> Option<CellHandle> {
         self.visible(id, true, &mut Missing::default())
     }
 
-    /// Whether looking the id up would load something.
+    /// Whether looking the id up would try to load something.
     pub fn is_missing(&self, id: CellId) -> bool {
         let mut missing = Missing::default();
         self.visible(id, false, &mut missing);
@@ -309,6 +321,16 @@ impl Landscape {
         self.statics.get_mut(id.0 as usize)?.as_deref_mut()
     }
 
+    /// Loaded static objects with a default animation, in order of creation.
+    pub fn animated_statics(&self) -> &[StaticId] {
+        &self.animated_statics
+    }
+
+    /// Place, shape and state of a loaded static object, to animate it. It must not be moved.
+    pub fn static_body_mut(&mut self, id: StaticId) -> Option<&mut Body> {
+        Some(&mut self.static_object_mut(id)?.body)
+    }
+
     /// Place, shape and state of a loaded static object.
     pub fn static_body(&self, id: StaticId) -> Option<&Body> {
         Some(&self.static_object(id)?.body)
@@ -376,7 +398,10 @@ impl Landscape {
         cell: Option<EnvCell>,
     ) -> Option<CellHandle> {
         let slot = match cell {
-            None => BROKEN,
+            None => {
+                self.absent_rooms += 1;
+                BROKEN
+            }
             Some(cell) => match self.free_env_cells.pop() {
                 Some(slot) => {
                     self.env_cells[slot as usize] = Some(Box::new(cell));
@@ -409,7 +434,9 @@ impl Landscape {
         let cell = self.env_cells.get_mut(slot as usize)?.take()?;
         self.free_env_cells.push(slot);
         let entry = self.room_table[usize::from(cell.base.id.block())];
-        let rooms = self.rooms.get_mut(entry.checked_sub(FIRST_SLOT)? as usize)?;
+        let rooms = self
+            .rooms
+            .get_mut(entry.checked_sub(FIRST_SLOT)? as usize)?;
         rooms.retain(|&(_, s)| s != slot);
         Some(cell)
     }
@@ -425,6 +452,10 @@ impl Landscape {
                 StaticId(self.statics.len() as u32 - 1)
             }
         }
+    }
+
+    pub(super) fn static_slots(&self) -> usize {
+        self.statics.len()
     }
 
     pub(super) fn take_static(&mut self, id: StaticId) -> Option<Box<StaticObject>> {

@@ -1,16 +1,44 @@
 //! The world: landblocks, terrain, cells, static objects, and the entities in them.
+//!
+//! A [`Landscape`] holds what is loaded of the map. Outdoor cells come 64 at a time with their landblock, indoor cells one by one; both are
+//! named by a [`CellHandle`] while they are loaded, and found by id without hashing. Reading never loads: see [`landscape`].
+//!
+//! Source: `spec/02-terrain.md`, `spec/03-cells.md`.
 
+mod adjust;
+mod cell;
+mod cell_array;
+mod cell_collision;
+mod cell_list;
+mod dat_source;
+pub mod landscape;
+mod loading;
 mod random;
+mod release;
 mod resources;
 mod scratch;
+mod shadows;
+mod source;
+mod statics;
 pub mod terrain;
+pub mod window;
 #[allow(
     clippy::module_inception,
     reason = "the type World lives in the file of its name"
 )]
 mod world;
 
+pub use cell::{
+    BuildingPortal, CellBase, CellPortal, CellRef, EnvCell, LandCell, LandCellRef, PortalTarget,
+};
+pub use cell_list::{CellListOutcome, SpheresAt};
+pub use landscape::{Demand, LandBlock, Landscape, Missing};
 pub use random::Random;
-pub use resources::Resources;
+pub use resources::{LoadError, Resources};
 pub use scratch::Scratch;
+pub use source::{Lookup, MemorySource, WorldSource};
+pub use statics::{StaticKind, StaticObject};
 pub use world::{CellHandle, Clock, World};
+
+#[cfg(test)]
+mod tests;

@@ -5,8 +5,8 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::dat::{
-    Animation, DatError, EnvCell, Environment, GfxObj, Landblock, LandblockInfo, MotionTable,
-    Region, Scene, Setup,
+    Animation, DatError, DegradeInfo, EnvCell, Environment, GfxObj, Landblock, LandblockInfo,
+    MotionTable, Region, Scene, Setup,
 };
 use crate::math::CellId;
 
@@ -47,6 +47,11 @@ pub trait WorldSource: fmt::Debug + Send + Sync {
     /// # Errors
     /// As [`WorldSource::landblock`].
     fn gfx_obj(&self, id: u32) -> Lookup<GfxObj>;
+    /// A degrade info, 0x11......
+    ///
+    /// # Errors
+    /// As [`WorldSource::landblock`].
+    fn degrade_info(&self, id: u32) -> Lookup<DegradeInfo>;
     /// A setup, 0x02......
     ///
     /// # Errors
@@ -81,6 +86,7 @@ pub struct MemorySource {
     pub env_cells: BTreeMap<u32, Arc<EnvCell>>,
     pub environments: BTreeMap<u32, Arc<Environment>>,
     pub gfx_objs: BTreeMap<u32, Arc<GfxObj>>,
+    pub degrade_infos: BTreeMap<u32, Arc<DegradeInfo>>,
     pub setups: BTreeMap<u32, Arc<Setup>>,
     pub scenes: BTreeMap<u32, Arc<Scene>>,
     pub animations: BTreeMap<u32, Arc<Animation>>,
@@ -117,6 +123,10 @@ impl WorldSource for MemorySource {
 
     fn gfx_obj(&self, id: u32) -> Lookup<GfxObj> {
         Ok(self.gfx_objs.get(&id).cloned())
+    }
+
+    fn degrade_info(&self, id: u32) -> Lookup<DegradeInfo> {
+        Ok(self.degrade_infos.get(&id).cloned())
     }
 
     fn setup(&self, id: u32) -> Lookup<Setup> {

@@ -1,12 +1,15 @@
 //! [`World`] owns everything; entities, statics and cells are handles into it.
 
+use std::sync::Arc;
+
 use super::random::Random;
-use super::resources::Resources;
 use super::scratch::Scratch;
+use super::{Landscape, Resources, WorldSource};
 use crate::entity::Entities;
+use crate::math::CellId;
 use crate::physics::body::EntityId;
 use crate::physics::maintenance::{DestructionQueue, LostCells};
-use crate::physics::transition::TransitionSlots;
+use crate::physics::transition::{CellArray, TransitionSlots};
 use crate::profile::Profile;
 
 /// Handle of a loaded cell (outdoor or indoor) of a [`World`]. Cells stay loaded under a handle until their landblock is released.
@@ -22,12 +25,14 @@ pub struct World {
     pub profile: Profile,
     /// Clocks.
     pub clock: Clock,
+    /// What is loaded of the map: terrain, cells, static objects.
+    pub land: Landscape,
+    /// Shapes and other immutable resources.
+    pub resources: Resources,
     /// The dynamic objects.
     pub entities: Entities,
     /// The pool of transitions.
     pub slots: TransitionSlots,
-    /// Immutable resources of objects: setups, shapes, animations, motion tables.
-    pub resources: Resources,
     /// The only source of chance (`spec/06-physics-object.md`, C3).
     pub random: Random,
     /// The local player, if there is one.
@@ -42,6 +47,8 @@ pub struct World {
     pub doomed: DestructionQueue,
     /// Memory that is reused.
     pub scratch: Scratch,
+    /// Scratch of the loader.
+    pub(super) loading_cells: CellArray,
 }
 
 /// The two clocks of the simulation (`spec/06-physics-object.md`, B2), seconds.
@@ -64,11 +71,13 @@ impl World {
     /// An empty world whose clocks stand at `now`, s.
     pub fn new(profile: Profile, now: f64) -> Self {
         Self {
+            resources: Resources::default(),
+            land: Landscape::default(),
+            loading_cells: CellArray::default(),
             profile,
             clock: Clock::at(now),
             entities: Entities::default(),
             slots: TransitionSlots::default(),
-            resources: Resources::default(),
             random: Random::Middle,
             local_player: None,
             culling_enabled: true,
@@ -77,5 +86,21 @@ impl World {
             doomed: DestructionQueue::default(),
             scratch: Scratch::default(),
         }
+    }
+
+    /// A world without objects, whose map comes from `source`, and whose clocks stand at `now`, s. Nothing is loaded yet.
+    pub fn with_source(profile: Profile, now: f64, source: Arc<dyn WorldSource>) -> Self {
+        let land = Landscape::new(Arc::clone(&source));
+        let resources = Resources::new(source, profile.clone());
+        Self {
+            land,
+            resources,
+            ..Self::new(profile, now)
+        }
+    }
+
+    /// Id of a loaded cell; [`CellId::NONE`] for a handle whose cell was released.
+    pub fn cell_id(&self, cell: CellHandle) -> CellId {
+        self.land.cell_id(cell)
     }
 }

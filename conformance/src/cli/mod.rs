@@ -3,12 +3,18 @@
 //! Exit codes of every command: 0 = nothing is wrong; 1 = something differs; 2 = it could not run (the message says what,
 //! where, and what to do).
 
+mod bless;
 mod import;
+mod run;
+mod status;
 mod vectors;
 
-use std::process::ExitCode;
+use std::{io::Write, path::Path, process::ExitCode};
 
+use ac_golden_traces::corpus;
+use ac_replayer::client::ClientSimulator;
 use clap::{Parser, Subcommand, ValueEnum};
+use miette::IntoDiagnostic;
 
 /// Something differs.
 pub const DIFFERS: u8 = 1;
@@ -28,8 +34,14 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Run scenes through the client library and compare every frame with what the oracles expect.
+    Run(run::Args),
+    /// Take the divergences of the bundled traces into the baseline, after showing what changes in it.
+    Bless(bless::Args),
     /// Make traces of scenes and the files that oracles wrote for them.
     Import(import::Args),
+    /// Measure everything that is bundled and write the status page.
+    Status(status::Args),
     /// Run vector files: calls of single primitives, compared bit for bit.
     Vectors(vectors::Args),
 }
@@ -58,11 +70,33 @@ pub fn main() -> ExitCode {
         }
     };
     let outcome = match cli.command {
+        Command::Run(args) => run::run(&args, &simulator(args.worlds.as_deref())),
+        Command::Bless(args) => bless::run(&args, &simulator(None)),
         Command::Import(args) => import::run(&args),
+        Command::Status(args) => status::run(&args, &simulator(None)),
         Command::Vectors(args) => vectors::run(&args),
     };
     outcome.unwrap_or_else(|report| {
         eprintln!("{report:?}");
         ExitCode::from(COULD_NOT_RUN)
     })
+}
+
+/// The client library on the worlds of a folder; without one on the bundled worlds.
+fn simulator(worlds: Option<&Path>) -> ClientSimulator {
+    ClientSimulator::new(worlds.map_or_else(|| corpus::bundled().join("worlds"), Into::into))
+}
+
+/// Writes a result to standard output. A reader that has seen enough (`| head`) is no error.
+///
+/// # Errors
+/// When writing fails otherwise.
+fn emit(text: &str) -> miette::Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(error).into_diagnostic()
+        }
+        _ => Ok(()),
+    }
 }

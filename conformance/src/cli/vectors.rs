@@ -8,7 +8,7 @@ use std::{
 use miette::{IntoDiagnostic, WrapErr, miette};
 use rayon::prelude::*;
 
-use super::{DIFFERS, Format};
+use super::{DIFFERS, Format, emit};
 use crate::vectors::{FnResult, human_table, run_file};
 
 /// Arguments of `ac-conform vectors`.
@@ -48,13 +48,10 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
         .into_diagnostic()?;
     let results = results.concat();
     match args.format {
-        Format::Human => print!("{}", human_table(&results)),
+        Format::Human => emit(&human_table(&results))?,
         Format::Json => {
-            println!(
-                "{}",
-                serde_json::to_string_pretty(&serde_json::json!({"results": results}))
-                    .into_diagnostic()?
-            );
+            let json = serde_json::json!({"results": results});
+            emit(&(serde_json::to_string_pretty(&json).into_diagnostic()? + "\n"))?;
         }
     }
     Ok(if results.iter().all(FnResult::all_exact) {

@@ -143,7 +143,7 @@ fn difference(path: &mut String, expected: &Value, actual: Option<&Value>) -> Op
 }
 
 /// Numbers by the bits of their f64, hexadecimal ids by value, all else by equality.
-fn same_leaf(expected: &Value, actual: &Value) -> bool {
+pub(crate) fn same_leaf(expected: &Value, actual: &Value) -> bool {
     match (expected, actual) {
         (Value::Number(a), Value::Number(b)) => {
             matches!((a.as_f64(), b.as_f64()), (Some(a), Some(b)) if a.to_bits() == b.to_bits())

@@ -248,7 +248,7 @@ mod tests {
     proptest! {
         #[test]
         fn floats_survive_text(bits: u32) {
-            let number = std::primitive::f32::from_bits(bits);
+            let number = f32::from_bits(bits);
             let text = put::f32(number).to_string();
             let back = f32(&serde_json::from_str(&text).unwrap()).unwrap();
             prop_assert!(back.to_bits() == bits || number.is_nan() && back.is_nan());
@@ -256,7 +256,7 @@ mod tests {
 
         #[test]
         fn doubles_survive_text(bits: u64) {
-            let number = std::primitive::f64::from_bits(bits);
+            let number = f64::from_bits(bits);
             let text = put::f64(number).to_string();
             let back = f64(&serde_json::from_str(&text).unwrap()).unwrap();
             prop_assert!(back.to_bits() == bits || number.is_nan() && back.is_nan());
@@ -276,7 +276,7 @@ mod tests {
     fn negative_zero_stays_negative() {
         let value: Value = serde_json::from_str("[-0.0, -0, 0]").unwrap();
         assert_eq!(
-            vec3(&value).unwrap().map(std::primitive::f32::to_bits),
+            vec3(&value).unwrap().map(f32::to_bits),
             [0x8000_0000, 0x8000_0000, 0]
         );
     }

@@ -34,6 +34,7 @@ mod frame;
 mod integrator;
 mod jump;
 mod landdefs;
+mod motion_object;
 mod motioninterp;
 mod motiontable;
 mod mover;
@@ -44,6 +45,7 @@ mod sphere;
 mod tables;
 mod terrain;
 
+pub(crate) use compare::same_leaf;
 pub use compare::{Mismatch, compare_vector};
 pub use read::{Header, VectorError, VectorFile};
 pub use report::{FnResult, human_table};

@@ -8,6 +8,7 @@ use ac_client::dat::{
     MotionBits, MotionData, MotionDataFlags, MotionTable, Setup, StoredFrame,
 };
 use ac_client::physics::collision::GfxShape;
+use ac_client::world::MemorySource;
 use serde_json::Value;
 
 use super::VectorContext;
@@ -40,6 +41,17 @@ impl Tables {
             animations: animations?,
             motion_table,
         })
+    }
+}
+
+impl Tables {
+    /// A world that holds these tables and nothing else.
+    pub fn into_source(self) -> MemorySource {
+        MemorySource {
+            animations: self.animations.into_iter().map(|a| (a.id, a)).collect(),
+            motion_tables: self.motion_table.into_iter().map(|t| (t.id, t)).collect(),
+            ..MemorySource::default()
+        }
     }
 }
 

@@ -50,6 +50,10 @@ pub struct TraceWriter<W: Write + Seek> {
     channels: BTreeMap<ChannelKind, u16>,
     log_time: u64,
     buffer: Vec<u8>,
+    /// The next run of frames and the next step of the script: inputs are written in the order of their frames.
+    next_run: usize,
+    next_run_frame: u32,
+    next_step: usize,
 }
 
 impl<W: Write + Seek> TraceWriter<W> {
@@ -102,6 +106,9 @@ impl<W: Write + Seek> TraceWriter<W> {
             channels: BTreeMap::new(),
             log_time: 0,
             buffer: Vec::new(),
+            next_run: 0,
+            next_run_frame: 0,
+            next_step: 0,
         })
     }
 
@@ -144,30 +151,28 @@ impl<W: Write + Seek> TraceWriter<W> {
         Ok(())
     }
 
-    /// Writes the scene's clock and script, each at the time of its frame.
+    /// Writes what the scene's clock and script have for a frame. To be called for each frame, in order.
     ///
     /// # Errors
     /// When writing fails.
     pub fn write_inputs(&mut self, scene: &Scene, frame: u32, time: f64) -> McapResult<()> {
-        let mut first = 0;
-        for run in &scene.frames {
-            if first == frame && run.count > 0 {
-                self.clock(
-                    ClockRun {
-                        frame,
-                        dt: run.dt,
-                        count: run.count,
-                    },
-                    time,
-                )?;
+        while let Some(run) = scene.frames.get(self.next_run)
+            && self.next_run_frame <= frame
+        {
+            let (dt, count) = (run.dt, run.count);
+            if count > 0 {
+                self.clock(ClockRun { frame, dt, count }, time)?;
             }
-            first += run.count;
+            self.next_run += 1;
+            self.next_run_frame = self.next_run_frame.saturating_add(count);
         }
-        let from = scene.script.partition_point(|step| step.frame < frame);
-        let to = scene.script.partition_point(|step| step.frame <= frame);
-        scene.script[from..to]
-            .iter()
-            .try_for_each(|step| self.script(step, time))
+        while let Some(step) = scene.script.get(self.next_step)
+            && step.frame <= frame
+        {
+            self.script(step, time)?;
+            self.next_step += 1;
+        }
+        Ok(())
     }
 
     fn clock(&mut self, run: ClockRun, time: f64) -> McapResult<()> {

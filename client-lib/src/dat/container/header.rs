@@ -91,7 +91,7 @@ impl Header {
             version_minor: at(0x18C),
         };
         let b = header.block_size;
-        if b % 4 != 0 || !(16..=1 << 20).contains(&b) {
+        if !b.is_multiple_of(4) || !(16..=1 << 20).contains(&b) {
             return Err((0x144, Problem::BlockSize { found: b }));
         }
         let stated = u64::from(header.file_size);
@@ -145,7 +145,7 @@ impl Header {
         offset >= HEADER_END as u32
             && offset >> 31 == 0
             && u64::from(offset) + u64::from(self.block_size) <= u64::from(self.file_size)
-            && offset % self.block_size == 0
+            && offset.is_multiple_of(self.block_size)
     }
 
     /// Offset of the first block.

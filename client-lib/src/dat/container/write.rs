@@ -105,18 +105,14 @@ impl DatBuilder {
     /// [`Problem::BlockSize`]; [`Problem::CannotEncode`] if the file would not fit in 2 GiB.
     pub fn write(&self) -> Result<Vec<u8>, DatError> {
         let error = |problem| DatError::in_file("(new file)", 0, problem);
-        if self.block_size % 4 != 0 || !(16..=1 << 20).contains(&self.block_size) {
+        if !self.block_size.is_multiple_of(4) || !(16..=1 << 20).contains(&self.block_size) {
             return Err(error(Problem::BlockSize {
                 found: self.block_size,
             }));
         }
         let mut records = self.records.clone();
-        if !records.contains_key(&ITERATION_ID) {
-            records.insert(
-                ITERATION_ID,
-                Iteration::complete(self.iteration).to_bytes()?,
-            );
-        }
+        let iteration = Iteration::complete(self.iteration).to_bytes()?;
+        records.entry(ITERATION_ID).or_insert(iteration);
         let ids: Vec<u32> = records.keys().copied().collect();
         let mut nodes = Vec::new();
         let root = plan_tree(&ids, height_for(ids.len()), &mut nodes);
@@ -235,7 +231,7 @@ fn plan_tree(ids: &[u32], height: u32, nodes: &mut Vec<PlannedNode>) -> usize {
     }
     let below = capacity(height - 1);
     let children = (2..)
-        .find(|k| k * below + k - 1 >= ids.len())
+        .find(|k| k * below + k > ids.len())
         .unwrap_or(NODE_BRANCHES);
     let (base, extra) = (
         (ids.len() - (children - 1)) / children,

@@ -4,7 +4,7 @@
 //! verifies. Covered: account names and passwords or tickets of a LoginRequest, and the account name in the messages that carry it, also where it
 //! straddles two fragments.
 
-use super::fragment::{FRAGMENT_DATA, FRAGMENT_HEADER, Fragment, Fragments};
+use super::fragment::{FRAGMENT_DATA, FRAGMENT_HEADER, Fragments};
 use super::login::LoginLayout;
 use super::packet::{HEADER_LENGTH, Packet, PacketFlags, PacketHeader};
 
@@ -378,7 +378,7 @@ mod tests {
                     redactor.redact(&mut bytes);
                     let packet = Packet::parse(&bytes).expect("still a packet");
                     assert_eq!(packet.verify(), Verified::Encrypted(0x1234_5678));
-                    shown.extend(packet.fragments().map(|f: Fragment<'_>| f.data.to_vec()));
+                    shown.extend(packet.fragments().map(|f| f.data.to_vec()));
                 }
                 let all = shown.concat();
                 assert!(

@@ -340,7 +340,7 @@ impl CylSphere {
             clip.shaft()
         };
         match found {
-            Some(ClipTime { normal, time }) if !(time < 0.0 || time > 1.0) => {
+            Some(ClipTime { normal, time }) if !is_outside_step(time) => {
                 t.set_collision_normal(normal);
                 t.add_offset_to_check_pos(clip.offset(time, definite));
                 TransitionState::Adjusted
@@ -355,6 +355,12 @@ impl CylSphere {
 struct ClipTime {
     normal: Vec3,
     time: f32,
+}
+
+/// Whether a time is outside the movement; not a number is not.
+fn is_outside_step(time: f32) -> bool {
+    let late = time > 1.0;
+    time < 0.0 || late
 }
 
 /// Exact time-of-impact clipping (9.9, step 3), for cameras. Quirk: the start is that of the mover's first sphere, whichever sphere hit.

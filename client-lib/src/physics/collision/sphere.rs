@@ -244,7 +244,9 @@ impl Sphere {
         let movement = mover.sphere.center - mover.current + t.path.curr_to_check_block_offset();
         let profile = t.profile();
         let time = find_time_of_collision(movement, displacement, reach + EPSILON, profile) as f32;
-        if time < EPSILON || time > 1.0 {
+        // Not a number goes on.
+        let late = time > 1.0;
+        if time < EPSILON || late {
             return TransitionState::Collided;
         }
         let back = movement * time - movement;

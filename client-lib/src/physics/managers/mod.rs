@@ -18,3 +18,6 @@ pub use interpolation::{
 pub use position::PositionManager;
 pub use sticky::{StickyManager, StickyPull};
 pub use target::{TargetInfo, TargetManager, TargetStatus, Voyeur};
+
+#[cfg(test)]
+mod tests;

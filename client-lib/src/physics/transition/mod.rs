@@ -58,3 +58,5 @@ pub const MAX_PLACEMENT_PROBES: u32 = 200_000;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod walk_tests;

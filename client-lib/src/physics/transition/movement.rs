@@ -145,7 +145,12 @@ impl Transition<'_> {
         self.object.state.contains(ObjectInfoState::FREE_ROTATE)
     }
 
+    /// The specification refuses NaN before the transition (section 15); profile `gdle` lets it in, and its records show what comes of it:
+    /// one step, which the terrain takes back.
     fn path_is_a_number(&self) -> bool {
+        if !self.profile().nan_goal_refused {
+            return true;
+        }
         let begin = self.path.begin_pos.as_ref();
         vector::is_valid(self.path.end_pos.frame.origin)
             && begin.is_none_or(|p| vector::is_valid(p.frame.origin))

@@ -56,6 +56,8 @@ impl ObjectInfo {
             step_down: !body.state.contains(PhysicsState::MISSILE),
             target_id: if knows_target { body.target } else { 0 },
             creature: weenie.present && weenie.creature,
+            bypasses_restrictions: weenie.present && weenie.bypasses_restrictions,
+            barrier_passed: false,
             velocity_killed: false,
         }
     }

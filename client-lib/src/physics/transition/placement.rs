@@ -88,7 +88,7 @@ impl Transition<'_> {
     }
 
     fn placement_is_a_number(&self) -> bool {
-        vector::is_valid(self.path.end_pos.frame.origin)
+        !self.profile().nan_goal_refused || vector::is_valid(self.path.end_pos.frame.origin)
     }
 
     /// Lowers the mover by at most its step-down height, or leaves it where it is (12.1, step 5).

@@ -38,6 +38,8 @@ impl ObjectInfo {
         step_down: false,
         target_id: 0,
         creature: false,
+        bypasses_restrictions: false,
+        barrier_passed: false,
         velocity_killed: false,
     };
 

@@ -210,7 +210,7 @@ impl TransitionResult {
 
 impl TransitionInput {
     /// Prepares a fresh transition to run.
-    fn prepare(&self, t: &mut Transition<'_>) {
+    pub(super) fn prepare(&self, t: &mut Transition<'_>) {
         t.init_object(&self.mover);
         t.init_sphere(self.spheres.as_slice(), 1.0);
         self.seed_contact(t);

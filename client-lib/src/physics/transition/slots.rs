@@ -59,6 +59,10 @@ pub struct Transit {
 pub struct TransitionSlots {
     level: usize,
     left: Vec<LeftFields>,
+    #[allow(
+        clippy::vec_box,
+        reason = "a transit is handed out and back as a box: the pointer moves, not the records"
+    )]
     spare: Vec<Box<Transit>>,
 }
 

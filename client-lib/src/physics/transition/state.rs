@@ -93,6 +93,10 @@ pub struct ObjectInfo {
     pub target_id: u32,
     /// The mover has a weenie that is a creature.
     pub creature: bool,
+    /// The mover's weenie may enter barred house cells.
+    pub bypasses_restrictions: bool,
+    /// A house barrier has let the mover pass in this transition (`C-15`, profile `ace`).
+    pub barrier_passed: bool,
     /// `kill_velocity` was called: the caller sets the mover's velocity to zero (7.2).
     pub velocity_killed: bool,
 }
@@ -246,6 +250,8 @@ pub struct CellArray {
     pub added_outside: bool,
     /// Restrict the result to what the start cell sees.
     pub do_not_load_cells: bool,
+    /// Slots that removed entries left, the last one first to be reused (`C-03`, profile `ace`).
+    pub free_slots: Vec<u32>,
 }
 
 /// How far a transition has got, for traces; nothing in the transition reads it.

@@ -122,7 +122,11 @@ mod steps {
 
     #[test]
     fn an_absurd_number_of_steps_and_nan_are_refused() {
-        for profile in [Profile::retail(), Profile::ace(), Profile::gdle()] {
+        let ace = Profile {
+            nan_goal_refused: true,
+            ..Profile::ace()
+        };
+        for profile in [Profile::retail(), ace] {
             let w = world(profile);
             for end in [
                 Vec3::new(1e9, 0.0, 0.0),
@@ -441,6 +445,7 @@ mod exemptions {
         creature: true,
         pk: false,
         pk_lite: false,
+        bypasses_restrictions: false,
         impenetrable: false,
         storage: false,
     };

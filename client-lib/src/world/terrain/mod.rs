@@ -11,6 +11,7 @@ mod block;
 mod detail;
 mod height_table;
 mod road;
+pub mod scenery;
 mod split;
 mod water;
 

@@ -1,0 +1,237 @@
+//! Results as JSON and as tables.
+
+use std::{collections::BTreeMap, fmt::Write};
+
+use serde::Serialize;
+
+use super::{RunResult, baseline::Baseline};
+use crate::compare::Class;
+
+/// Schema of the JSON document.
+pub const SCHEMA: &str = "ac-conform-run/1";
+
+/// How many divergences the human report lists before it says how many more there are.
+const LISTED: usize = 40;
+
+/// Sums over all results.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Totals {
+    /// Results.
+    pub results: usize,
+    /// Of these, exact in every frame.
+    pub exact: usize,
+    /// Of these, with small numeric differences only.
+    pub within_tolerance: usize,
+    /// Of these, with larger ones.
+    pub diverged: usize,
+    /// Divergences that the baseline knows.
+    pub known_divergences: usize,
+    /// Divergences that it does not know.
+    pub new_divergences: usize,
+    /// Entries of the baseline that did not diverge any more.
+    pub fixed: usize,
+    /// Frames compared.
+    pub frames_compared: u64,
+    /// Of these exact.
+    pub frames_exact: u64,
+    /// Frames whose expectation is not finite: nothing is known about them.
+    pub frames_undefined_in_oracle: u64,
+}
+
+impl Totals {
+    /// Sums up.
+    pub fn of(results: &[RunResult], baseline: &Baseline) -> Self {
+        let mut totals = Self {
+            results: results.len(),
+            fixed: baseline.fixed(results).count(),
+            ..Self::default()
+        };
+        for result in results {
+            *match result.class {
+                Class::Exact => &mut totals.exact,
+                Class::WithinTolerance => &mut totals.within_tolerance,
+                Class::Diverged => &mut totals.diverged,
+            } += 1;
+            if result.first_divergence.is_some() {
+                *match baseline.accepts(result) {
+                    Some(_) => &mut totals.known_divergences,
+                    None => &mut totals.new_divergences,
+                } += 1;
+            }
+            totals.frames_compared += result.frames_compared;
+            totals.frames_exact += result.frames_exact;
+            totals.frames_undefined_in_oracle += result.undefined;
+        }
+        totals
+    }
+}
+
+/// The JSON document, one result per line.
+///
+/// # Errors
+/// Never in practice: results are plain data.
+pub fn json(results: &[RunResult], totals: &Totals) -> serde_json::Result<String> {
+    let mut text = format!("{{\"schema\":\"{SCHEMA}\",\"results\":[");
+    for (index, result) in results.iter().enumerate() {
+        text.push_str(if index == 0 { "\n" } else { ",\n" });
+        text.push_str(&serde_json::to_string(result)?);
+    }
+    text.push_str("\n],\"totals\":");
+    text.push_str(&serde_json::to_string(totals)?);
+    text.push_str("}\n");
+    Ok(text)
+}
+
+/// One row of the table: an area, an oracle, a profile and a mode.
+#[derive(Clone, Debug, Default)]
+struct Row {
+    scenes: BTreeMap<String, bool>,
+    frames: u64,
+    exact: u64,
+    class: Option<Class>,
+    origin: f64,
+}
+
+/// The verdict table and the list of divergences.
+pub fn human(results: &[RunResult], totals: &Totals, baseline: &Baseline) -> String {
+    let mut text = table(results);
+    divergences(&mut text, results, baseline);
+    for known in baseline.fixed(results) {
+        let _ = writeln!(
+            text,
+            "fixed: {} {} {}{} no longer diverges; take it out of the baseline",
+            known.scene,
+            known.oracle,
+            known.mode,
+            known
+                .guid
+                .as_ref()
+                .map(|guid| format!(" {guid}"))
+                .unwrap_or_default()
+        );
+    }
+    if totals.frames_undefined_in_oracle > 0 {
+        let _ = writeln!(
+            text,
+            "undefined in the oracle: {} frames expect a value that is not finite; that it is met says nothing about retail",
+            totals.frames_undefined_in_oracle
+        );
+    }
+    let _ = writeln!(
+        text,
+        "{} of {} entities exact, {} within tolerance, {} diverged; {} of {} frames exact; {} new divergences, {} known",
+        totals.exact,
+        totals.results,
+        totals.within_tolerance,
+        totals.diverged,
+        totals.frames_exact,
+        totals.frames_compared,
+        totals.new_divergences,
+        totals.known_divergences
+    );
+    text
+}
+
+fn table(results: &[RunResult]) -> String {
+    let mut rows: BTreeMap<(&str, &str, &str, &str), Row> = BTreeMap::new();
+    for result in results {
+        let row = rows
+            .entry((
+                &result.area,
+                &result.oracle,
+                &result.profile,
+                result.mode.name(),
+            ))
+            .or_default();
+        *row.scenes.entry(result.scene.clone()).or_insert(true) &=
+            result.first_divergence.is_none();
+        row.frames += result.frames_compared;
+        row.exact += result.frames_exact;
+        row.class = row.class.max(Some(result.class));
+        row.origin = result
+            .max_error
+            .get("origin")
+            .map_or(row.origin, |error| row.origin.max(error.abs));
+    }
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "{:<10} {:<14} {:<14} {:<7} {:>9} {:>15} {:>12}  verdict",
+        "area", "oracle", "profile", "mode", "scenes", "frames", "off by"
+    );
+    for ((area, oracle, profile, mode), row) in rows {
+        let exact = row.scenes.values().filter(|exact| **exact).count();
+        let off = if row.origin > 0.0 {
+            format!("{:.3e} m", row.origin)
+        } else {
+            "-".into()
+        };
+        let _ = writeln!(
+            text,
+            "{area:<10} {oracle:<14} {profile:<14} {mode:<7} {:>9} {:>15} {off:>12}  {}",
+            format!("{exact}/{}", row.scenes.len()),
+            format!("{}/{}", row.exact, row.frames),
+            row.class.map_or("", verdict)
+        );
+    }
+    text
+}
+
+fn verdict(class: Class) -> &'static str {
+    match class {
+        Class::Exact => "exact",
+        Class::WithinTolerance => "within tolerance",
+        Class::Diverged => "DIVERGED",
+    }
+}
+
+fn divergences(text: &mut String, results: &[RunResult], baseline: &Baseline) {
+    let diverged: Vec<_> = results
+        .iter()
+        .filter_map(|result| {
+            Some((
+                result,
+                result.first_divergence.as_ref()?,
+                baseline.accepts(result),
+            ))
+        })
+        .collect();
+    for (result, divergence, known) in diverged.iter().take(LISTED) {
+        let _ = writeln!(
+            text,
+            "{}: {} {} {} {}: frame {}{} {}: expected {}, got {}",
+            if known.is_some() { "known" } else { "new" },
+            result.scene,
+            result.oracle,
+            result.mode.name(),
+            result.guid,
+            divergence.frame,
+            divergence
+                .stage
+                .as_ref()
+                .map(|stage| format!(", stage {stage},"))
+                .unwrap_or_default(),
+            divergence.field,
+            divergence.expected,
+            divergence.actual
+        );
+        if let Some(known) = known {
+            let _ = writeln!(text, "       {}", known.reason);
+        }
+        for (field, error) in &result.max_error {
+            let unit = if error.unit.is_empty() { "" } else { " " };
+            let _ = writeln!(
+                text,
+                "       {field}: up to {:.3e}{unit}{}, {} ulp, in frame {}",
+                error.abs, error.unit, error.ulp, error.frame
+            );
+        }
+    }
+    if diverged.len() > LISTED {
+        let _ = writeln!(
+            text,
+            "... and {} more divergences (all are in --format json)",
+            diverged.len() - LISTED
+        );
+    }
+}

@@ -1,0 +1,6 @@
+//! Any bytes as a record of kind `physics-script`.
+#![no_main]
+
+use ac_client::dat::{RecordKind, fuzzing};
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| fuzzing::record(RecordKind::PhysicsScript, data));

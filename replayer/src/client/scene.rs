@@ -1,0 +1,252 @@
+//! A scene as it runs (`spec/scene-format.md`).
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use ac_client::dat::DatSet;
+use ac_client::frame::state::Fields;
+use ac_client::frame::{FrameState, FrameStates, Host, NoProbe, Pipeline, Probe};
+use ac_client::physics::body::EntityId;
+use ac_client::profile::Profile;
+use ac_client::world::{World, WorldSource};
+use ac_golden_traces::Scene;
+use ac_golden_traces::scene::{Action, EntitySpec, ScriptStep};
+use serde_json::Value;
+
+use super::entity::{self, CreationNote};
+use super::{script, stages};
+use crate::simulation::{Simulation, SimulationError};
+
+/// A scene that runs.
+#[derive(Debug)]
+pub struct SceneRun {
+    /// Everything that exists.
+    pub world: World,
+    scene: Scene,
+    pipeline: Pipeline,
+    /// By GUID: the newest object that was created under it.
+    objects: BTreeMap<u32, SceneObject>,
+    /// The next step of the script.
+    next_step: usize,
+    /// Notes about creations, in order.
+    notes: Vec<String>,
+}
+
+/// An entity of the scene.
+#[derive(Debug, Clone, Copy)]
+struct SceneObject {
+    id: EntityId,
+    /// A step has destroyed it: it exists outside world and object table.
+    destroyed: bool,
+}
+
+/// Runs the script steps of a frame as its input stage.
+struct ScriptInput<'a> {
+    frame: u32,
+    scene: &'a Scene,
+    objects: &'a mut BTreeMap<u32, SceneObject>,
+    next_step: &'a mut usize,
+    notes: &'a mut Vec<String>,
+}
+
+impl Host for ScriptInput<'_> {
+    fn input(&mut self, world: &mut World) {
+        let scene = self.scene;
+        while let Some(step) = scene.script.get(*self.next_step) {
+            if step.frame > self.frame {
+                break;
+            }
+            *self.next_step += 1;
+            run_step(step, self.objects, self.notes, world);
+        }
+    }
+}
+
+fn run_step(
+    step: &ScriptStep,
+    objects: &mut BTreeMap<u32, SceneObject>,
+    notes: &mut Vec<String>,
+    world: &mut World,
+) {
+    if let Action::Create { entity } = &step.action {
+        create(entity, objects, notes, world);
+        return;
+    }
+    let parent = match &step.action {
+        Action::SetParent { parent, .. } => objects.get(parent).map(|o| o.id),
+        _ => None,
+    };
+    let Some(object) = objects.get_mut(&step.guid) else {
+        // Not created yet.
+        return;
+    };
+    let id = object.id;
+    if step.action == Action::Destroy {
+        object.destroyed = true;
+        world.with_entity(id, |entity, world| entity.leave_for_good(world));
+        world.forget(id);
+        return;
+    }
+    world.with_entity(id, |entity, world| {
+        script::act(entity, &step.action, parent, world);
+    });
+}
+
+fn create(
+    spec: &EntitySpec,
+    objects: &mut BTreeMap<u32, SceneObject>,
+    notes: &mut Vec<String>,
+    world: &mut World,
+) {
+    let parent = spec
+        .parent
+        .and_then(|guid| objects.get(&guid))
+        .map(|o| o.id);
+    let (id, note) = entity::create(spec, parent, world);
+    if let Some(id) = id {
+        let object = SceneObject {
+            id,
+            destroyed: false,
+        };
+        objects.insert(spec.guid, object);
+    }
+    let text = match note {
+        Some(CreationNote::NoObject) => "was not made: its setup cannot be read",
+        Some(CreationNote::DidNotEnter) => "did not enter the world",
+        Some(CreationNote::ParentRefused) => "could not be attached to its parent",
+        None => return,
+    };
+    notes.push(format!("entity {:#X} {text}", spec.guid));
+}
+
+impl SceneRun {
+    /// Sets the scene up under a profile: its world, and the entities that exist before frame 0.
+    ///
+    /// # Errors
+    /// None at present: an entity that cannot be made is noted, as the oracles do.
+    pub fn new(
+        scene: &Scene,
+        source: Arc<DatSet>,
+        profile: &Profile,
+    ) -> Result<Self, SimulationError> {
+        let source: Arc<dyn WorldSource> = source;
+        let mut run = Self {
+            world: World::with_source(profile.clone(), scene.start_time, source),
+            scene: scene.clone(),
+            pipeline: Pipeline::default(),
+            objects: BTreeMap::new(),
+            next_step: 0,
+            notes: Vec::new(),
+        };
+        for spec in &scene.entities {
+            create(spec, &mut run.objects, &mut run.notes, &mut run.world);
+        }
+        Ok(run)
+    }
+
+    /// The scene.
+    pub const fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// What went otherwise than the scene wanted, in order.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// The object of a GUID, destroyed or not.
+    pub fn object(&self, guid: u32) -> Option<EntityId> {
+        self.objects.get(&guid).map(|o| o.id)
+    }
+
+    /// Runs a frame under the eyes of a probe: the clock advances, the script's steps run, every entity is advanced.
+    pub fn run_frame<P: Probe>(&mut self, frame: u32, probe: &mut P) {
+        for object in self.objects.values() {
+            if let Some(entity) = self.world.entity_mut(object.id) {
+                entity.begin_frame();
+            }
+        }
+        let now = self.world.clock.now + frame_length(&self.scene, frame);
+        let mut input = ScriptInput {
+            frame,
+            scene: &self.scene,
+            objects: &mut self.objects,
+            next_step: &mut self.next_step,
+            notes: &mut self.notes,
+        };
+        self.pipeline
+            .run_frame_probed(&mut self.world, now, &mut input, probe);
+    }
+
+    /// Writes the records of the tracked entities.
+    pub fn write_records(&self, frame: i32, out: &mut FrameStates) {
+        out.clear();
+        let time = self.world.clock.now;
+        for &guid in &self.scene.track {
+            let record = out.push(frame, time, guid);
+            self.write_record(frame, time, guid, record);
+        }
+    }
+
+    fn write_record(&self, frame: i32, time: f64, guid: u32, record: &mut FrameState) {
+        let Some(object) = self.objects.get(&guid) else {
+            // Not created yet: not even events.
+            record.has = Fields::empty();
+            record.anim = None;
+            return;
+        };
+        let Some(entity) = self.world.entity(object.id) else {
+            return;
+        };
+        if object.destroyed {
+            record.gone(frame, time, guid, &entity.events);
+        } else {
+            entity.frame_state(frame, time, record);
+        }
+    }
+}
+
+/// Seconds by which the clock advances before a frame.
+fn frame_length(scene: &Scene, frame: u32) -> f64 {
+    let mut first = 0;
+    for run in &scene.frames {
+        first += run.count;
+        if frame < first {
+            return run.dt;
+        }
+    }
+    0.0
+}
+
+impl Simulation for SceneRun {
+    fn frame_minus_one(&mut self, out: &mut FrameStates) -> Result<(), SimulationError> {
+        self.write_records(-1, out);
+        Ok(())
+    }
+
+    fn step(&mut self, frame: u32, out: &mut FrameStates) -> Result<(), SimulationError> {
+        self.run_frame(frame, &mut NoProbe);
+        self.write_records(i32::try_from(frame).unwrap_or(i32::MAX), out);
+        Ok(())
+    }
+
+    fn load_state(&mut self, expected: &FrameState) -> Result<(), SimulationError> {
+        let Some(object) = self.objects.get(&expected.guid) else {
+            return Ok(());
+        };
+        if !object.destroyed {
+            self.world.with_entity(object.id, |entity, world| {
+                entity.load_frame_state(expected, world);
+            });
+        }
+        Ok(())
+    }
+
+    fn run_stage(
+        &mut self,
+        records: &[Value],
+        index: usize,
+    ) -> Result<Option<Value>, SimulationError> {
+        stages::run(self, records, index)
+    }
+}

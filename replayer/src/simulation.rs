@@ -1,0 +1,86 @@
+//! What the harness asks of a client.
+//!
+//! The seam is narrow on purpose: a client is started on a scene, advanced frame by frame, and hands out one record per
+//! tracked entity and frame. Two more questions serve the other ways to compare: setting an entity to a recorded state, and
+//! running one stage alone from recorded inputs.
+
+use ac_client::{
+    frame::{FrameState, FrameStates},
+    profile::Profile,
+};
+use ac_golden_traces::Scene;
+use serde_json::Value;
+
+/// Starts simulations. Shared between threads: what is expensive to make (parsed worlds) is kept here.
+pub trait Simulator: Sync {
+    /// Sets up the scene's world, creates its entities, and stands before frame 0.
+    ///
+    /// # Errors
+    /// When the world cannot be loaded or the scene cannot be set up.
+    fn start(
+        &self,
+        scene: &Scene,
+        profile: &Profile,
+    ) -> Result<Box<dyn Simulation>, SimulationError>;
+}
+
+/// A running scene.
+pub trait Simulation {
+    /// Writes the records of frame -1: the state after the creation of the first entities, in the order of the scene's
+    /// `track`. Called once, before the first [`Simulation::step`].
+    ///
+    /// # Errors
+    /// When the simulation cannot go on.
+    fn frame_minus_one(&mut self, out: &mut FrameStates) -> Result<(), SimulationError>;
+
+    /// Runs frame `frame` (0, 1, 2, … in turn) and writes its records in the order of the scene's `track`.
+    ///
+    /// # Errors
+    /// When the simulation cannot go on.
+    fn step(&mut self, frame: u32, out: &mut FrameStates) -> Result<(), SimulationError>;
+
+    /// Sets every field that `expected` carries into the entity `expected.guid`; what the record does not carry stays. Does
+    /// nothing for an entity that is not there.
+    ///
+    /// # Errors
+    /// When the simulation cannot go on.
+    fn load_state(&mut self, expected: &FrameState) -> Result<(), SimulationError>;
+
+    /// Runs the stage of `records[index]` from its `in` and answers its `out`; `None` if the client cannot run this stage
+    /// alone. `records` are all checkpoints of the frame in order: some stages read the `out` of one before.
+    ///
+    /// # Errors
+    /// When the record cannot be understood.
+    fn run_stage(
+        &mut self,
+        records: &[Value],
+        index: usize,
+    ) -> Result<Option<Value>, SimulationError>;
+}
+
+/// Why a simulation cannot start or go on.
+#[derive(Debug, thiserror::Error)]
+pub enum SimulationError {
+    /// The world's files cannot be loaded.
+    #[error("world `{world}`: {reason}")]
+    World {
+        /// Name of the world.
+        world: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The scene cannot be set up.
+    #[error("scene `{scene}`: {reason}")]
+    Scene {
+        /// Name of the scene.
+        scene: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A stage record cannot be understood.
+    #[error("stage record: {reason}")]
+    Stage {
+        /// What is wrong.
+        reason: String,
+    },
+}
