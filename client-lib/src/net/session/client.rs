@@ -4,8 +4,9 @@ use std::collections::VecDeque;
 
 use super::{Port, Transmit, opcode};
 use crate::net::transport::{
-    Anomaly, Connection, ConnectionLimits, ConnectRequest, Incoming, LoginError, LoginRequest, Message, OptionalHeaders,
-    Packet, PacketBuilder, PacketFlags, PacketHeader, Queue, Role, Verified,
+    Anomaly, ConnectRequest, Connection, ConnectionLimits, Incoming, LoginError, LoginRequest,
+    Message, OptionalHeaders, Packet, PacketBuilder, PacketFlags, PacketHeader, Queue, Role,
+    Verified,
 };
 
 /// Intervals of a client session, s, and its bounds.
@@ -130,10 +131,22 @@ impl ClientSession {
     /// When a text of the login cannot be sent.
     pub fn new(login: &LoginRequest, config: ClientConfig, now: f64) -> Result<Self, LoginError> {
         let payload = login.to_bytes()?;
-        let optional = OptionalHeaders { login: Some(&payload), ..OptionalHeaders::default() };
-        let header = PacketHeader { flags: PacketFlags::LOGIN_REQUEST, ..PacketHeader::default() };
-        let login = PacketBuilder::new().start(&optional).finish(header, None).to_vec();
-        let first = Transmit { port: Port::Login, bytes: login.clone() };
+        let optional = OptionalHeaders {
+            login: Some(&payload),
+            ..OptionalHeaders::default()
+        };
+        let header = PacketHeader {
+            flags: PacketFlags::LOGIN_REQUEST,
+            ..PacketHeader::default()
+        };
+        let login = PacketBuilder::new()
+            .start(&optional)
+            .finish(header, None)
+            .to_vec();
+        let first = Transmit {
+            port: Port::Login,
+            bytes: login.clone(),
+        };
         Ok(Self {
             config,
             state: ClientState::LoginSent,
@@ -172,7 +185,10 @@ impl ClientSession {
     pub fn poll_transmit(&mut self) -> Option<Transmit> {
         if let Some(connection) = &mut self.connection {
             while let Some(bytes) = connection.poll_transmit() {
-                self.transmits.push_back(Transmit { port: Port::Login, bytes });
+                self.transmits.push_back(Transmit {
+                    port: Port::Login,
+                    bytes,
+                });
             }
         }
         self.transmits.pop_front()
@@ -222,8 +238,16 @@ impl ClientSession {
     fn receive_first(&mut self, datagram: &[u8], now: f64) {
         let packet = match Packet::parse(datagram) {
             Ok(packet) if packet.verify() == Verified::Clear => packet,
-            Ok(_) => return self.events.push_back(ClientEvent::Anomaly(Anomaly::Checksum)),
-            Err(error) => return self.events.push_back(ClientEvent::Anomaly(Anomaly::Malformed(error))),
+            Ok(_) => {
+                return self
+                    .events
+                    .push_back(ClientEvent::Anomaly(Anomaly::Checksum));
+            }
+            Err(error) => {
+                return self
+                    .events
+                    .push_back(ClientEvent::Anomaly(Anomaly::Malformed(error)));
+            }
         };
         let h = packet.optional;
         if let Some(code) = h.login_error {
@@ -232,16 +256,29 @@ impl ClientSession {
         if let Some(e) = h.net_error.or(h.net_error_disconnect) {
             return self.fail(SessionFailure::NetError(e.string, e.table));
         }
-        let Some(connect) = h.connect_request else { return };
+        let Some(connect) = h.connect_request else {
+            return;
+        };
         let id = connect.net_id as u16;
         let limits = self.config.limits;
         let (s, c) = (connect.seed_from_server, connect.seed_from_client);
         self.connection = Some(Connection::new(Role::Client, id, s, c, now, limits));
-        self.events.push_back(ClientEvent::TimeSync(connect.server_time));
-        let optional = OptionalHeaders { connect_response: Some(connect.cookie), ..OptionalHeaders::default() };
-        let header =
-            PacketHeader { sequence: 1, flags: PacketFlags::CONNECT_RESPONSE, id, ..PacketHeader::default() };
-        self.answer = PacketBuilder::new().start(&optional).finish(header, None).to_vec();
+        self.events
+            .push_back(ClientEvent::TimeSync(connect.server_time));
+        let optional = OptionalHeaders {
+            connect_response: Some(connect.cookie),
+            ..OptionalHeaders::default()
+        };
+        let header = PacketHeader {
+            sequence: 1,
+            flags: PacketFlags::CONNECT_RESPONSE,
+            id,
+            ..PacketHeader::default()
+        };
+        self.answer = PacketBuilder::new()
+            .start(&optional)
+            .finish(header, None)
+            .to_vec();
         self.connect = Some(connect);
         self.tries = 0;
         self.due = now + self.config.answer_delay;
@@ -268,13 +305,23 @@ impl ClientSession {
             _ if refuses && matches!(self.state, S::Answering | S::AwaitList) => {
                 return self.fail(SessionFailure::Message(message));
             }
-            (Some(opcode::CHARACTER_LIST), S::Answering | S::AwaitList | S::LoggingOff) => self.enter(S::CharacterSelect),
+            (Some(opcode::CHARACTER_LIST), S::Answering | S::AwaitList | S::LoggingOff) => {
+                self.enter(S::CharacterSelect)
+            }
             (Some(opcode::DDD_INTERROGATION), _) => self.answer_interrogation(now),
             (Some(opcode::CREATE_PLAYER), S::EnterRequested | S::Entering) => {
-                self.own_guid = message.bytes.get(4..).and_then(<[u8]>::first_chunk).map(|b| u32::from_le_bytes(*b));
+                self.own_guid = message
+                    .bytes
+                    .get(4..)
+                    .and_then(<[u8]>::first_chunk)
+                    .map(|b| u32::from_le_bytes(*b));
             }
             (Some(opcode::CREATE_OBJECT), S::Entering) => {
-                let guid = message.bytes.get(4..).and_then(<[u8]>::first_chunk).map(|b| u32::from_le_bytes(*b));
+                let guid = message
+                    .bytes
+                    .get(4..)
+                    .and_then(<[u8]>::first_chunk)
+                    .map(|b| u32::from_le_bytes(*b));
                 if guid.is_some() && guid == self.own_guid {
                     self.enter(S::PortalSpace);
                 }
@@ -299,16 +346,25 @@ impl ClientSession {
         if self.is_over() {
             return;
         }
-        let Some(connection) = &mut self.connection else { return };
+        let Some(connection) = &mut self.connection else {
+            return;
+        };
         connection.send(queue, message, now);
-        let word = |at: usize| message.get(at..).and_then(<[u8]>::first_chunk).map(|b| u32::from_le_bytes(*b));
+        let word = |at: usize| {
+            message
+                .get(at..)
+                .and_then(<[u8]>::first_chunk)
+                .map(|b| u32::from_le_bytes(*b))
+        };
         match word(0) {
             Some(opcode::ENTER_WORLD_REQUEST) => self.enter(ClientState::EnterRequested),
             Some(opcode::ENTER_WORLD) => {
                 self.own_guid = word(4);
                 self.enter(ClientState::Entering);
             }
-            Some(opcode::GAME_ACTION) if word(8) == Some(opcode::ACTION_LOGIN_COMPLETE) => self.enter(ClientState::InWorld),
+            Some(opcode::GAME_ACTION) if word(8) == Some(opcode::ACTION_LOGIN_COMPLETE) => {
+                self.enter(ClientState::InWorld)
+            }
             Some(opcode::LOG_OFF) => self.enter(ClientState::LoggingOff),
             _ => {}
         }
@@ -325,7 +381,10 @@ impl ClientSession {
     /// Number of the next game action: the word after the opcode of a 0xF7B1 message. Servers do not check it.
     fn ping_message(&mut self) -> Vec<u8> {
         self.ping += 1;
-        [opcode::GAME_ACTION, 0, opcode::ACTION_PING].iter().flat_map(|w| w.to_le_bytes()).collect()
+        [opcode::GAME_ACTION, 0, opcode::ACTION_PING]
+            .iter()
+            .flat_map(|w| w.to_le_bytes())
+            .collect()
     }
 
     /// Pings sent so far.
@@ -342,7 +401,10 @@ impl ClientSession {
                 }
                 self.tries += 1;
                 self.due = now + self.config.login_retry;
-                self.transmits.push_back(Transmit { port: Port::Login, bytes: self.login.clone() });
+                self.transmits.push_back(Transmit {
+                    port: Port::Login,
+                    bytes: self.login.clone(),
+                });
             }
             ClientState::Answering | ClientState::AwaitList if now >= self.due => {
                 if self.tries > self.config.repeats {
@@ -350,7 +412,10 @@ impl ClientSession {
                 }
                 self.tries += 1;
                 self.due = now + self.config.answer_retry;
-                self.transmits.push_back(Transmit { port: Port::Next, bytes: self.answer.clone() });
+                self.transmits.push_back(Transmit {
+                    port: Port::Next,
+                    bytes: self.answer.clone(),
+                });
                 self.enter(ClientState::AwaitList);
             }
             _ => {}
@@ -359,12 +424,17 @@ impl ClientSession {
     }
 
     fn keep_alive(&mut self, now: f64) {
-        let Some(connection) = &mut self.connection else { return };
         if self.is_over() {
             return;
         }
+        let Some(connection) = &mut self.connection else {
+            return;
+        };
         connection.handle_timeout(now);
-        let (silent, idle) = (now - connection.last_received(), now - connection.last_numbered_sent());
+        let (silent, idle) = (
+            now - connection.last_received(),
+            now - connection.last_numbered_sent(),
+        );
         let before_list = matches!(self.state, ClientState::Answering | ClientState::AwaitList);
         if silent >= self.config.silence {
             return self.fail(SessionFailure::Silence);
@@ -372,10 +442,20 @@ impl ClientSession {
         if before_list {
             return;
         }
-        if self.config.echo_interval.is_some_and(|every| now - self.last_echo >= every) {
+        if self
+            .config
+            .echo_interval
+            .is_some_and(|every| now - self.last_echo >= every)
+        {
             self.last_echo = now;
             let echo_request = Some((now - self.started) as f32);
-            connection.send_headers(&OptionalHeaders { echo_request, ..OptionalHeaders::default() }, now);
+            connection.send_headers(
+                &OptionalHeaders {
+                    echo_request,
+                    ..OptionalHeaders::default()
+                },
+                now,
+            );
         } else if idle >= self.config.keep_alive {
             let ping = self.ping_message();
             self.send(Queue::WEENIE, &ping, now);
@@ -387,14 +467,22 @@ impl ClientSession {
         if self.is_over() {
             return None;
         }
-        let handshake = matches!(self.state, ClientState::LoginSent | ClientState::Answering | ClientState::AwaitList);
+        let handshake = matches!(
+            self.state,
+            ClientState::LoginSent | ClientState::Answering | ClientState::AwaitList
+        );
         let connection = self.connection.as_ref();
         let times = [
             handshake.then_some(self.due),
             connection.and_then(Connection::next_timeout),
             connection.map(|c| c.last_received() + self.config.silence),
-            connection.filter(|_| !handshake).map(|c| c.last_numbered_sent() + self.config.keep_alive),
-            self.config.echo_interval.filter(|_| !handshake).map(|every| self.last_echo + every),
+            connection
+                .filter(|_| !handshake)
+                .map(|c| c.last_numbered_sent() + self.config.keep_alive),
+            self.config
+                .echo_interval
+                .filter(|_| !handshake)
+                .map(|every| self.last_echo + every),
         ];
         times.into_iter().flatten().min_by(f64::total_cmp)
     }

@@ -4,8 +4,9 @@ use std::collections::VecDeque;
 
 use super::{Port, Transmit};
 use crate::net::transport::{
-    Anomaly, AuthType, Connection, ConnectionLimits, ConnectRequest, Incoming, LoginRequest, Message, OptionalHeaders, Packet,
-    PacketBuilder, PacketFlags, PacketHeader, Queue, Role, Verified,
+    Anomaly, AuthType, ConnectRequest, Connection, ConnectionLimits, Incoming, LoginRequest,
+    Message, OptionalHeaders, Packet, PacketBuilder, PacketFlags, PacketHeader, Queue, Role,
+    Verified,
 };
 
 /// What a server session is made with.
@@ -127,7 +128,11 @@ impl ServerSession {
 
     /// The next datagram to send, and from which port.
     pub fn poll_transmit(&mut self) -> Option<Transmit> {
-        let port = if self.config.send_from_next { Port::Next } else { Port::Login };
+        let port = if self.config.send_from_next {
+            Port::Next
+        } else {
+            Port::Login
+        };
         if self.state != ServerState::AwaitAnswer
             && let Some(connection) = &mut self.connection
         {
@@ -165,10 +170,18 @@ impl ServerSession {
             return;
         };
         let account = match login.auth {
-            AuthType::Account => login.account.split(':').next().unwrap_or_default().to_owned(),
+            AuthType::Account => login
+                .account
+                .split(':')
+                .next()
+                .unwrap_or_default()
+                .to_owned(),
             _ => login.account,
         };
-        self.login = Some(Login { account, version: login.version });
+        self.login = Some(Login {
+            account,
+            version: login.version,
+        });
         let c = self.config;
         let connect_request = Some(ConnectRequest {
             server_time: c.game_time + (now - self.started),
@@ -178,28 +191,52 @@ impl ServerSession {
             seed_from_client: c.seed_from_client,
             unused: 0,
         });
-        let optional = OptionalHeaders { connect_request, ..OptionalHeaders::default() };
-        let header =
-            PacketHeader { flags: PacketFlags::CONNECT_REQUEST, id: c.server_id, iteration: 1, ..PacketHeader::default() };
-        let bytes = PacketBuilder::new().start(&optional).finish(header, None).to_vec();
-        self.transmits.push_back(Transmit { port: Port::Login, bytes });
-        self.connection =
-            Some(Connection::new(Role::Server, c.server_id, c.seed_to_client, c.seed_from_client, now, c.limits));
+        let optional = OptionalHeaders {
+            connect_request,
+            ..OptionalHeaders::default()
+        };
+        let header = PacketHeader {
+            flags: PacketFlags::CONNECT_REQUEST,
+            id: c.server_id,
+            iteration: 1,
+            ..PacketHeader::default()
+        };
+        let bytes = PacketBuilder::new()
+            .start(&optional)
+            .finish(header, None)
+            .to_vec();
+        self.transmits.push_back(Transmit {
+            port: Port::Login,
+            bytes,
+        });
+        self.connection = Some(Connection::new(
+            Role::Server,
+            c.server_id,
+            c.seed_to_client,
+            c.seed_from_client,
+            now,
+            c.limits,
+        ));
         self.state = ServerState::AwaitAnswer;
     }
 
     fn receive_answer(&mut self, datagram: &[u8], now: f64) {
-        let answer = Packet::parse(datagram).ok().and_then(|p| p.optional.connect_response);
+        let answer = Packet::parse(datagram)
+            .ok()
+            .and_then(|p| p.optional.connect_response);
         if answer != Some(self.config.cookie) {
             return;
         }
         self.state = ServerState::Connected;
         self.send_time(now);
-        self.events.extend(self.login.clone().map(ServerEvent::Connected));
+        self.events
+            .extend(self.login.clone().map(ServerEvent::Connected));
     }
 
     fn receive_packet(&mut self, datagram: &[u8], now: f64) {
-        let Some(connection) = &mut self.connection else { return };
+        let Some(connection) = &mut self.connection else {
+            return;
+        };
         connection.receive(datagram, now, &mut self.incoming);
         for item in self.incoming.drain(..) {
             match item {
@@ -218,7 +255,13 @@ impl ServerSession {
         self.last_sync = now;
         let time_sync = Some(self.config.game_time + (now - self.started));
         if let Some(connection) = &mut self.connection {
-            connection.send_headers(&OptionalHeaders { time_sync, ..OptionalHeaders::default() }, now);
+            connection.send_headers(
+                &OptionalHeaders {
+                    time_sync,
+                    ..OptionalHeaders::default()
+                },
+                now,
+            );
         }
     }
 
@@ -257,7 +300,9 @@ impl ServerSession {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{ClientConfig, ClientEvent, ClientSession, ClientState, SessionFailure, opcode};
+    use super::super::{
+        ClientConfig, ClientEvent, ClientSession, ClientState, SessionFailure, opcode,
+    };
     use super::*;
 
     fn login() -> LoginRequest {
@@ -273,7 +318,13 @@ mod tests {
     }
 
     /// Runs both sides for a while; `lost` says which client datagram does not arrive.
-    fn run(client: &mut ClientSession, server: &mut ServerSession, from: f64, to: f64, lost: impl Fn(usize) -> bool) {
+    fn run(
+        client: &mut ClientSession,
+        server: &mut ServerSession,
+        from: f64,
+        to: f64,
+        lost: impl Fn(usize) -> bool,
+    ) {
         let (mut now, mut n) = (from, 0);
         while now < to {
             client.handle_timeout(now);
@@ -300,12 +351,20 @@ mod tests {
     #[test]
     fn a_client_logs_in_and_stays() {
         for lost in [None, Some(0), Some(1), Some(2)] {
-            let mut client = ClientSession::new(&login(), ClientConfig::default(), 0.0).expect("a valid login");
+            let mut client =
+                ClientSession::new(&login(), ClientConfig::default(), 0.0).expect("a valid login");
             let mut server = ServerSession::new(ServerConfig::default(), 0.0);
             run(&mut client, &mut server, 0.0, 8.0, |n| Some(n) == lost);
-            assert_eq!((client.state(), server.state()), (ClientState::CharacterSelect, ServerState::Connected));
+            assert_eq!(
+                (client.state(), server.state()),
+                (ClientState::CharacterSelect, ServerState::Connected)
+            );
             run(&mut client, &mut server, 8.0, 100.0, |_| false);
-            assert_eq!(server.state(), ServerState::Connected, "pings keep the session");
+            assert_eq!(
+                server.state(),
+                ServerState::Connected,
+                "pings keep the session"
+            );
             assert!(client.pings() >= 5);
             client.disconnect();
             run(&mut client, &mut server, 100.0, 100.2, |_| false);
@@ -315,14 +374,16 @@ mod tests {
 
     #[test]
     fn a_client_gives_up_on_a_silent_server() {
-        let mut client = ClientSession::new(&login(), ClientConfig::default(), 0.0).expect("a valid login");
+        let mut client =
+            ClientSession::new(&login(), ClientConfig::default(), 0.0).expect("a valid login");
         let mut sent = 0;
         while let Some(at) = client.next_timeout() {
             client.handle_timeout(at);
             sent += std::iter::from_fn(|| client.poll_transmit()).count();
         }
         assert_eq!((client.state(), sent), (ClientState::Failed, 6));
-        let failed = std::iter::from_fn(|| client.poll_event()).find(|e| matches!(e, ClientEvent::Failed(_)));
+        let failed = std::iter::from_fn(|| client.poll_event())
+            .find(|e| matches!(e, ClientEvent::Failed(_)));
         assert_eq!(failed, Some(ClientEvent::Failed(SessionFailure::NoAnswer)));
     }
 }
