@@ -266,7 +266,7 @@ impl Entity {
     }
 
     /// Requests the present motions again (8.9).
-    pub(super) fn apply_current_movement(&mut self, allow_jump: bool, world: &mut World) {
+    pub(crate) fn apply_current_movement(&mut self, allow_jump: bool, world: &mut World) {
         if !self.interp().is_some_and(|interp| interp.initted) {
             return;
         }

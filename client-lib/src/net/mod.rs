@@ -4,4 +4,7 @@
 //!
 //! Source: `spec/09-network.md`, `spec/10-messages.md`.
 
+pub mod entities;
+pub mod messages;
+pub mod session;
 pub mod transport;
