@@ -1,5 +1,10 @@
 //! Speed of the entity tick: one frame of the worlds of `common`.
 
+#![allow(
+    missing_docs,
+    reason = "the macros of criterion make undocumented functions"
+)]
+
 mod common;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};

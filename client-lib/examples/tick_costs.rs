@@ -28,7 +28,11 @@ const CASES: [Entry; 10] = [
     ("crowd_50", || common::crowd(50), 50),
     ("idle_npcs_1000", || common::idle_npcs(1000), 1000),
     ("idle_10000", || common::mostly_idle(10_000, 0), 10_000),
-    ("walkers_10_of_10010", || common::mostly_idle(10_000, 10), 10),
+    (
+        "walkers_10_of_10010",
+        || common::mostly_idle(10_000, 10),
+        10,
+    ),
 ];
 
 #[inline(never)]
@@ -53,6 +57,9 @@ fn main() {
             ns = ns.min(start.elapsed().as_nanos() as f64 / f64::from(frames * objects));
         }
         let allocations = allocation_counter::measure(|| case.run(200)).count_total;
-        println!("{{\"case\":\"{name}\",\"ns\":{ns:.1},\"allocations\":{}}}", allocations as f64 / 200.0);
+        println!(
+            "{{\"case\":\"{name}\",\"ns\":{ns:.1},\"allocations\":{}}}",
+            allocations as f64 / 200.0
+        );
     }
 }

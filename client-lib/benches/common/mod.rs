@@ -238,7 +238,11 @@ pub fn sliding() -> Case {
 pub fn idle_npcs(count: usize) -> Case {
     let mut case = Case::new();
     for i in 0..count {
-        let at = Vec3::new(10.0 + 2.0 * (i % 40) as f32, 10.0 + 2.0 * (i / 40) as f32, 20.0);
+        let at = Vec3::new(
+            10.0 + 2.0 * (i % 40) as f32,
+            10.0 + 2.0 * (i / 40) as f32,
+            20.0,
+        );
         let id = case.add(CREATURE, cell_of(at), at);
         case.perform(id, READY, None);
         case.moving.push(id);
@@ -276,11 +280,22 @@ pub fn running_in_a_room() -> Case {
     case
 }
 
+/// A player that runs against a wall.
+pub fn against_a_wall() -> Case {
+    let mut case = running_in_a_room();
+    case.turn_every = 0;
+    case
+}
+
 /// Creatures that run about in a narrow place.
 pub fn crowd(count: usize) -> Case {
     let mut case = Case::new();
     for i in 0..count {
-        let at = Vec3::new(60.0 + 1.5 * (i % 8) as f32, 60.0 + 1.5 * (i / 8) as f32, 20.0);
+        let at = Vec3::new(
+            60.0 + 1.5 * (i % 8) as f32,
+            60.0 + 1.5 * (i / 8) as f32,
+            20.0,
+        );
         let id = case.add(CREATURE, cell_of(at), at);
         case.perform(id, FORWARD, Some(HoldKey::Run));
         case.moving.push(id);
@@ -293,7 +308,11 @@ pub fn crowd(count: usize) -> Case {
 pub fn mostly_idle(count: usize, walkers: usize) -> Case {
     let mut case = Case::new();
     for i in 0..count {
-        let at = Vec3::new(2.0 + 1.5 * (i % 125) as f32, 74.0 + 1.4 * (i / 125) as f32, 20.0);
+        let at = Vec3::new(
+            2.0 + 1.5 * (i % 125) as f32,
+            74.0 + 1.4 * (i / 125) as f32,
+            20.0,
+        );
         // Something stands in some of the places.
         case.try_add(BALL, cell_of(at), at);
     }

@@ -35,7 +35,8 @@ pub struct Kinetics {
     pub contact_plane_cell_id: CellId,
     /// Normal of the wall slid along; stale without SLIDING.
     pub sliding_normal: Vec3,
-    /// End of the simulated time, s on the frame clock.
+    /// End of the simulated time, s on the frame clock. Old while the object [rests](super::Entities): read it through
+    /// [`World::entity_mut`](crate::world::World::entity_mut).
     pub update_time: f64,
     /// The last movement came from the local input.
     pub last_move_was_autonomous: bool,

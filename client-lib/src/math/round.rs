@@ -39,7 +39,20 @@ mod tests {
 
     #[test]
     fn zeros_and_borders() {
-        for v in [0.0, -0.0, 0.5, -0.5, 1.0, -1.0, 8_388_607.5, -8_388_607.5, 8_388_608.0, f32::INFINITY, f32::MIN_POSITIVE, -1e-40] {
+        for v in [
+            0.0,
+            -0.0,
+            0.5,
+            -0.5,
+            1.0,
+            -1.0,
+            8_388_607.5,
+            -8_388_607.5,
+            8_388_608.0,
+            f32::INFINITY,
+            f32::MIN_POSITIVE,
+            -1e-40,
+        ] {
             assert_eq!(floor(v).to_bits(), v.floor().to_bits(), "{v}");
             let v = f64::from(v);
             assert_eq!(floor64(v).to_bits(), v.floor().to_bits(), "{v}");

@@ -27,6 +27,8 @@ mod movement;
 pub mod network;
 mod other_updates;
 pub mod placement;
+#[cfg(test)]
+mod rest_tests;
 pub mod state;
 mod state_change;
 #[cfg(test)]
