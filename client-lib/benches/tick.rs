@@ -1,84 +1,67 @@
-//! Speed of one tick of one object: at rest, standing as a creature, sliding over terrain.
+//! Speed of the entity tick: one frame of the worlds of `common`.
 
-use std::hint::black_box;
-use std::path::Path;
-use std::sync::Arc;
+mod common;
 
-use ac_client::dat::{DatSet, Strictness};
-use ac_client::frame::NoProbe;
-use ac_client::math::{CellId, Position, Quat, Vec3};
-use ac_client::physics::body::EntityId;
-use ac_client::profile::Profile;
-use ac_client::world::World;
-use criterion::{Criterion, criterion_group, criterion_main};
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
-const FRAME: f64 = 0.04;
-/// A solid object with one sphere and no motion table; a human with its motion table.
-const BALL: u32 = 0x0200_000D;
-const HUMAN: u32 = 0x0200_0001;
-const HUMAN_MOTIONS: u32 = 0x0900_0001;
-const SOLID: u32 = 0x408;
+use common::Case;
 
-fn world() -> World {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../golden-traces/worlds/testbed");
-    let source = Arc::new(DatSet::open(folder, Strictness::Lenient).expect("the bundled world"));
-    World::with_source(Profile::retail(), 1000.0, source)
+/// Frames until everything has settled.
+const WARM_UP: u32 = 200;
+
+fn single(c: &mut Criterion) {
+    let cases: [(&str, fn() -> Case); 6] = [
+        ("resting", common::resting),
+        ("sliding", common::sliding),
+        ("idle_npc", || common::idle_npcs(1)),
+        ("walking_flat", common::walking),
+        ("running_slopes", common::running_on_slopes),
+        ("running_room", common::running_in_a_room),
+    ];
+    let mut group = c.benchmark_group("tick");
+    for (name, make) in cases {
+        let mut case = make();
+        case.run(WARM_UP);
+        group.bench_function(name, |b| b.iter(|| case.step()));
+    }
+    group.finish();
 }
 
-fn place(world: &mut World, guid: u32, setup: u32, motions: u32) -> EntityId {
-    let id = world.make_object(setup, guid, true).expect("its setup");
-    world.entities.register(id, guid);
-    world.with_entity(id, |entity, world| {
-        if motions != 0 {
-            entity.set_motion_table(motions, world);
+/// Per creature.
+fn many(c: &mut Criterion) {
+    let cases: [(&str, usize, Case); 2] = [
+        ("crowd_50", 50, common::crowd(50)),
+        ("idle_npcs_1000", 1000, common::idle_npcs(1000)),
+    ];
+    let mut group = c.benchmark_group("tick_per_creature");
+    for (name, count, mut case) in cases {
+        case.run(WARM_UP);
+        group.throughput(Throughput::Elements(count as u64));
+        group.bench_function(name, |b| b.iter(|| case.step()));
+    }
+    group.finish();
+}
+
+/// Objects at rest alone (`idle`), and beside ten that walk (`with_10_walkers`).
+fn scaling(c: &mut Criterion) {
+    let mut group = c.benchmark_group("tick_scaling");
+    for count in [10, 100, 1000, 10_000] {
+        for (name, walkers) in [("idle", 0), ("with_10_walkers", 10)] {
+            let mut case = common::mostly_idle(count, walkers);
+            case.run(WARM_UP);
+            group.throughput(Throughput::Elements(count as u64));
+            group.bench_function(BenchmarkId::new(name, count), |b| b.iter(|| case.step()));
         }
-        entity.set_state(SOLID, world);
-        let at = Vec3::new(60.0 + 6.0 * guid as f32, 24.0, 20.0);
-        let at = Position::new(CellId(0xA9B4_0011), at, Quat::IDENTITY);
-        assert!(entity.enter_world_at(&at, true, world));
-    });
-    id
-}
-
-fn tick(world: &mut World, id: EntityId) {
-    world.clock.now += FRAME;
-    world.update_entity(id, &mut NoProbe);
-    if let Some(entity) = world.entity_mut(id) {
-        entity.begin_frame();
     }
+    group.finish();
 }
 
-fn rest(c: &mut Criterion) {
-    let mut world = world();
-    let ball = place(&mut world, 1, BALL, 0);
-    let human = place(&mut world, 2, HUMAN, HUMAN_MOTIONS);
-    for _ in 0..10 {
-        tick(&mut world, ball);
-        tick(&mut world, human);
-    }
-    c.bench_function("tick of a resting object", |b| {
-        b.iter(|| tick(black_box(&mut world), ball));
-    });
-    c.bench_function("tick of a standing creature", |b| {
-        b.iter(|| tick(black_box(&mut world), human));
-    });
+criterion_group! {
+    name = benches;
+    config = Criterion::default()
+        .sample_size(20)
+        .warm_up_time(std::time::Duration::from_millis(300))
+        .measurement_time(std::time::Duration::from_secs(1));
+    targets = single, many, scaling
 }
-
-fn slide(c: &mut Criterion) {
-    let mut world = world();
-    let ball = place(&mut world, 1, BALL, 0);
-    let mut count = 0_u32;
-    c.bench_function("tick of an object sliding over terrain", |b| {
-        b.iter(|| {
-            count += 1;
-            let speed = if count & 0x40 == 0 { 3.0 } else { -3.0 };
-            world.with_entity(ball, |entity, world| {
-                entity.set_velocity(Vec3::new(0.0, speed, 0.0), world);
-            });
-            tick(black_box(&mut world), ball);
-        });
-    });
-}
-
-criterion_group!(benches, rest, slide);
 criterion_main!(benches);

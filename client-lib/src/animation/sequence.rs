@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use super::node::AnimSequenceNode;
 use super::source::AnimationSource;
 use crate::dat::{AnimRange, StoredFrame};
-use crate::math::Vec3;
+use crate::math::{Vec3, floor64};
 use crate::profile::Profile;
 
 /// The static pose that shows while nothing plays: an entry of the setup's placement frames.
@@ -103,7 +103,7 @@ impl Sequence {
 
     /// Whole frame number (`get_curr_frame_number`).
     pub fn current_frame(&self) -> i32 {
-        self.frame_number.floor() as i32
+        floor64(self.frame_number) as i32
     }
 
     /// Part frames of the current animation frame; `None` if nothing plays or the frame lies outside the animation.

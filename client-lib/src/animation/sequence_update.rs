@@ -8,7 +8,7 @@ use super::hooks::AnimHookQueue;
 use super::node::AnimSequenceNode;
 use super::sequence::Sequence;
 use crate::dat::{HookAction, HookDirection, StoredFrame};
-use crate::math::{EPSILON, Frame, Vec3};
+use crate::math::{EPSILON, Frame, Vec3, floor64};
 use crate::profile::{Profile, Width};
 
 /// Passes, and frames crossed, of one update. Quanta of 2 s at a rate of 100 000 stay far below.
@@ -101,20 +101,20 @@ impl Sequence {
         let mut left = None;
         if advance > 0.0 {
             let high = f64::from(node.high);
-            if high < frame.floor() {
+            if high < floor64(frame) {
                 let over = update.narrow(update.narrow(frame - high) - 1.0);
                 left = Some(update.time_left(node, if over < 0.0 { 0.0 } else { over }));
                 frame = high;
             }
-            update.cross(node, Playing::Up, before.floor(), frame.floor(), t)?;
+            update.cross(node, Playing::Up, floor64(before), floor64(frame), t)?;
         } else if advance < 0.0 {
             let low = f64::from(node.low);
-            if low > frame.floor() {
+            if low > floor64(frame) {
                 let over = update.narrow(frame - low);
                 left = Some(update.time_left(node, if over > 0.0 { 0.0 } else { over }));
                 frame = low;
             }
-            update.cross(node, Playing::Down, before.floor(), frame.floor(), t)?;
+            update.cross(node, Playing::Down, floor64(before), floor64(frame), t)?;
         } else if t.abs() > f64::from(EPSILON) {
             update.apply_physics(t, t);
         }

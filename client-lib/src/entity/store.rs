@@ -18,7 +18,15 @@ pub struct Entities {
     /// By handle: is in the table.
     registered: Vec<bool>,
     by_guid: HashMap<u32, EntityId>,
+    /// By handle: the clock of an object that rests, s; [`AWAKE`] for the others.
+    ///
+    /// An object at rest does nothing but keep its clock. So that it is not even looked at, its clock is kept here until somebody takes the
+    /// object or changes it; until then its own [`update_time`](super::Kinetics::update_time) is old, and nothing reads it.
+    resting: Vec<f64>,
 }
+
+/// Not a clock.
+const AWAKE: f64 = f64::NAN;
 
 impl Entities {
     /// Makes an object (not yet in the object table) whose clock starts at `now`, s, and takes it out at once.
@@ -26,6 +34,7 @@ impl Entities {
         let id = EntityId(self.slots.len() as u32);
         self.slots.push(None);
         self.registered.push(false);
+        self.resting.push(AWAKE);
         Box::new(Entity::new(id, guid, now))
     }
 
@@ -80,11 +89,43 @@ impl Entities {
 
     /// An object, in the table or not; `None` if it is taken out or gone.
     pub fn get_mut(&mut self, id: EntityId) -> Option<&mut Entity> {
+        self.wake(id);
         self.slots.get_mut(id.0 as usize)?.as_deref_mut()
+    }
+
+    /// The object keeps its clock itself.
+    #[inline]
+    fn wake(&mut self, id: EntityId) {
+        let Some(clock) = self.resting.get_mut(id.0 as usize) else {
+            return;
+        };
+        if clock.is_nan() {
+            return;
+        }
+        if let Some(Some(entity)) = self.slots.get_mut(id.0 as usize) {
+            entity.kin.update_time = *clock;
+        }
+        *clock = AWAKE;
+    }
+
+    /// The clock of an object that rests, s.
+    #[inline]
+    pub(crate) fn resting_since(&self, id: EntityId) -> Option<f64> {
+        let clock = self.resting.get(id.0 as usize).copied()?;
+        (!clock.is_nan()).then_some(clock)
+    }
+
+    /// An object rests, or goes on resting, and its clock stands at `clock`, s.
+    #[inline]
+    pub(crate) fn rest(&mut self, id: EntityId, clock: f64) {
+        if let Some(own) = self.resting.get_mut(id.0 as usize) {
+            *own = clock;
+        }
     }
 
     /// Takes an object out, to be [put](Entities::put) back.
     pub fn take(&mut self, id: EntityId) -> Option<Box<Entity>> {
+        self.wake(id);
         self.slots.get_mut(id.0 as usize)?.take()
     }
 

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::Vec3;
+use super::round::floor;
 use super::vector::EPSILON;
 use crate::profile::{OffMap, Profile};
 
@@ -49,11 +50,13 @@ pub enum Direction {
 
 impl LandCoord {
     /// Whether the cell is on the map.
+    #[inline]
     pub const fn in_bounds(self) -> bool {
         self.x >= 0 && self.y >= 0 && self.x < LAND_CELLS && self.y < LAND_CELLS
     }
 
     /// Id of the outdoor cell; [`CellId::NONE`] off the map (`lcoord_to_gid`).
+    #[inline]
     pub const fn cell_id(self) -> CellId {
         if !self.in_bounds() {
             return CellId::NONE;
@@ -82,46 +85,55 @@ impl CellId {
     }
 
     /// The cell part.
+    #[inline]
     pub const fn low(self) -> u32 {
         self.0 & 0xFFFF
     }
 
     /// The landblock part, shifted down: x in the high byte, y in the low byte.
+    #[inline]
     pub const fn block(self) -> u16 {
         (self.0 >> 16) as u16
     }
 
     /// Landblock column, from the west.
+    #[inline]
     pub const fn block_x(self) -> i32 {
         (self.0 >> 24) as i32
     }
 
     /// Landblock row, from the south.
+    #[inline]
     pub const fn block_y(self) -> i32 {
         ((self.0 >> 16) & 0xFF) as i32
     }
 
     /// The id with another cell part.
+    #[inline]
     pub const fn with_low(self, low: u32) -> Self {
         Self((self.0 & 0xFFFF_0000) | low)
     }
 
     /// Whether both ids name the same landblock.
+    #[inline]
     pub const fn same_block(self, rhs: Self) -> bool {
         self.block() == rhs.block()
     }
 
     /// Whether the cell part is that of an indoor cell; 0xFFFF counts (`spec/01`, 10.1).
+    #[inline]
     pub const fn is_indoor(self) -> bool {
         self.low() >= 0x100
     }
 
     /// Whether the cell part is one that exists.
+    #[inline]
     pub const fn cell_in_range(self) -> bool {
         matches!(self.low(), 1..=0x40 | 0x100..=0xFFFD | 0xFFFF)
     }
 
     /// Coordinates of the block's first cell, also off the map.
+    #[inline]
     pub const fn block_corner(self) -> LandCoord {
         LandCoord {
             x: self.block_x() * 8,
@@ -130,6 +142,7 @@ impl CellId {
     }
 
     /// Coordinates of the block's first cell (`blockid_to_lcoord`); `None` off the map.
+    #[inline]
     pub const fn block_coord(self) -> Option<LandCoord> {
         let c = self.block_corner();
         if c.x >= LAND_CELLS || c.y >= LAND_CELLS {
@@ -145,6 +158,7 @@ impl CellId {
     }
 
     /// Coordinates of an outdoor cell (`gid_to_lcoord`); `None` for indoor ids and off the map.
+    #[inline]
     pub const fn land_coord(self) -> Option<LandCoord> {
         if !self.is_inbound_valid() || self.is_indoor() {
             return None;
@@ -168,7 +182,7 @@ impl CellId {
             OffMap::ComputesOn => self.block_corner(),
             OffMap::None | OffMap::Fails => self.block_coord()?,
         };
-        let (cx, cy) = ((x / CELL_LENGTH).floor(), (y / CELL_LENGTH).floor());
+        let (cx, cy) = (floor(x / CELL_LENGTH), floor(y / CELL_LENGTH));
         // NaN and points beyond the map's size fail before they become integers.
         let limit = LAND_CELLS as f32;
         if !(cx.abs() <= limit && cy.abs() <= limit) {
@@ -197,8 +211,8 @@ impl CellId {
         let Some(coord) = self.outside_coord(loc.x, loc.y, profile) else {
             return (Self::NONE, loc);
         };
-        loc.x -= (loc.x / BLOCK_LENGTH).floor() * BLOCK_LENGTH;
-        loc.y -= (loc.y / BLOCK_LENGTH).floor() * BLOCK_LENGTH;
+        loc.x -= floor(loc.x / BLOCK_LENGTH) * BLOCK_LENGTH;
+        loc.y -= floor(loc.y / BLOCK_LENGTH) * BLOCK_LENGTH;
         (coord.cell_id(), loc)
     }
 
@@ -238,6 +252,7 @@ impl fmt::Display for CellId {
 /// Vector (m) from the south-west corner of `from`'s block to that of `to`'s block; no bounds check (10.5).
 ///
 /// Under profile `ace` a use of block 0xFF or of id 0 fails (`01:L1`), which callers ask for with [`CellId::block_coord`] beforehand.
+#[inline]
 pub fn block_offset(from: CellId, to: CellId) -> Vec3 {
     if from.same_block(to) {
         return Vec3::ZERO;

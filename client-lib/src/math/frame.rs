@@ -66,16 +66,19 @@ impl Frame {
     }
 
     /// Takes a rotation as it is, without normalising: for state that was stored by another program.
+    #[inline]
     pub fn set_rotation_raw(&mut self, rotation: Quat) {
         self.rotation = rotation;
         self.cache();
     }
 
     /// Normalises a rotation and takes it (`set_rotate`, 7.1).
+    #[inline]
     pub fn set_rotation(&mut self, rotation: Quat, profile: &Profile) {
         self.set_rotation_raw(rotation.normalized(profile));
     }
 
+    #[inline]
     fn cache(&mut self) {
         let Quat { w, x, y, z } = self.rotation;
         let (x2, y2, z2) = (x * 2.0, y * 2.0, z * 2.0);
@@ -87,6 +90,7 @@ impl Frame {
     }
 
     /// A direction of this space in the parent's space.
+    #[inline]
     pub fn local_to_global_vec(&self, p: Vec3, profile: &Profile) -> Vec3 {
         match profile.rotate_vector {
             RotateVector::Matrix => {
@@ -98,6 +102,7 @@ impl Frame {
     }
 
     /// A point of this space in the parent's space.
+    #[inline]
     pub fn local_to_global(&self, p: Vec3, profile: &Profile) -> Vec3 {
         match profile.rotate_vector {
             // The origin is the first term.
@@ -110,6 +115,7 @@ impl Frame {
     }
 
     /// A direction of the parent's space in this space.
+    #[inline]
     pub fn global_to_local_vec(&self, p: Vec3, profile: &Profile) -> Vec3 {
         match profile.rotate_vector {
             RotateVector::Matrix => Vec3::new(
@@ -122,26 +128,31 @@ impl Frame {
     }
 
     /// A point of the parent's space in this space.
+    #[inline]
     pub fn global_to_local(&self, p: Vec3, profile: &Profile) -> Vec3 {
         self.global_to_local_vec(p - self.origin, profile)
     }
 
     /// A point of another frame's space in this space; both frames have the same parent.
+    #[inline]
     pub fn local_to_local(&self, other: &Self, p: Vec3, profile: &Profile) -> Vec3 {
         self.global_to_local(other.local_to_global(p, profile), profile)
     }
 
     /// Frame `b`, expressed in `self`, brought to `self`'s parent (`combine`, 7.3).
+    #[inline]
     pub fn combine(&self, b: &Self, profile: &Profile) -> Self {
         self.combine_origin(b.origin, b.rotation, profile)
     }
 
     /// As [`Frame::combine`], with `b`'s origin multiplied per component by `scale`.
+    #[inline]
     pub fn combine_scaled(&self, b: &Self, scale: Vec3, profile: &Profile) -> Self {
         self.combine_origin(b.origin * scale, b.rotation, profile)
     }
 
     /// As [`Frame::combine`], for a frame that is stored without its matrix, which is not needed.
+    #[inline]
     pub fn combine_origin(&self, origin: Vec3, rotation: Quat, profile: &Profile) -> Self {
         let mut result = Self::from_origin(self.local_to_global(origin, profile));
         result.set_combined_rotation(self.rotation.product(rotation), profile);
@@ -149,6 +160,7 @@ impl Frame {
     }
 
     /// `01:F1`: profile `ace` does not normalise products of rotations.
+    #[inline]
     fn set_combined_rotation(&mut self, rotation: Quat, profile: &Profile) {
         if profile.combine_normalizes {
             self.set_rotation(rotation, profile);

@@ -13,6 +13,7 @@ mod heading;
 mod plane;
 mod position;
 mod quat;
+mod round;
 pub mod trig;
 pub mod vector;
 
@@ -27,4 +28,5 @@ pub use heading::{heading_of_position_offset, heading_of_vector};
 pub use plane::{Plane, Ray, Sidedness, Sphere};
 pub use position::{Position, UprightCylinder};
 pub use quat::Quat;
+pub use round::{floor, floor64};
 pub use vector::EPSILON;

@@ -64,6 +64,7 @@ impl Plane {
     }
 
     /// Signed distance of a point (`dot_product`).
+    #[inline]
     pub fn distance(&self, p: Vec3) -> f32 {
         self.n.dot(p) + self.d
     }
@@ -152,6 +153,7 @@ impl Plane {
 
 impl Ray {
     /// The ray from `start` along `offset`; a zero ray if the offset is shorter than ε in every component.
+    #[inline]
     pub fn new(start: Vec3, offset: Vec3) -> Self {
         if super::vector::is_zero(offset) {
             return Self::default();
@@ -167,11 +169,13 @@ impl Ray {
 
 impl Sphere {
     /// A sphere.
+    #[inline]
     pub const fn new(center: Vec3, radius: f32) -> Self {
         Self { center, radius }
     }
 
     /// Centre and radius multiplied by `scale`.
+    #[inline]
     pub fn scaled(&self, scale: f32) -> Self {
         Self {
             center: self.center * scale,

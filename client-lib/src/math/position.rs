@@ -36,6 +36,7 @@ impl Position {
     }
 
     /// Vector (m, global axes) from this position to `p`, across landblocks.
+    #[inline]
     pub fn offset_to(&self, p: &Self) -> Vec3 {
         block_offset(self.cell, p.cell) + p.frame.origin - self.frame.origin
     }
@@ -80,11 +81,13 @@ impl Position {
     }
 
     /// The point `p` of `from`'s own space in the coordinates of **this position's landblock** (this frame does not matter).
+    #[inline]
     pub fn landblock_point_of(&self, from: &Self, p: Vec3, profile: &Profile) -> Vec3 {
         block_offset(self.cell, from.cell) + from.frame.local_to_global(p, profile)
     }
 
     /// The point `p` of `from`'s own space in this position's own space.
+    #[inline]
     pub fn local_to_local(&self, from: &Self, p: Vec3, profile: &Profile) -> Vec3 {
         self.frame
             .global_to_local(self.landblock_point_of(from, p, profile), profile)

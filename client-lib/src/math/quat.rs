@@ -27,6 +27,7 @@ impl Quat {
     }
 
     /// The product `self · rhs`: first `rhs`, then `self`. Terms are added in the order of the specification (6.1).
+    #[inline]
     pub fn product(self, rhs: Self) -> Self {
         let (a, b) = (self, rhs);
         Self {
@@ -59,11 +60,13 @@ impl Quat {
     }
 
     /// Length; terms added in the order x, y, z, w.
+    #[inline]
     pub fn length(self) -> f32 {
         (self.x * self.x + self.y * self.y + self.z * self.z + self.w * self.w).sqrt()
     }
 
     /// Unit quaternion; NaN for the zero quaternion.
+    #[inline]
     pub fn normalized(self, profile: &Profile) -> Self {
         match profile.rotate_vector {
             RotateVector::Matrix => {
@@ -79,6 +82,7 @@ impl Quat {
     }
 
     /// Whether no component is NaN and the squared length (`01:F10`: the length) is within 5 ε of 1.
+    #[inline]
     pub fn is_valid(self, profile: &Profile) -> bool {
         let s = self.w * self.w + self.x * self.x + self.y * self.y + self.z * self.z;
         let measure = if profile.rotation_valid_by_length {

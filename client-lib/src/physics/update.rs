@@ -59,11 +59,48 @@ impl Quantum {
 impl World {
     /// Advances one entity to the present frame time (`update_object`, B3).
     pub fn update_entity<P: Probe>(&mut self, id: EntityId, probe: &mut P) {
+        let culls = self.profile.distance_culling && self.local_player.is_some();
+        if !culls && let Some(clock) = self.entities.resting_since(id) {
+            let clock = self.pass_time(clock);
+            self.entities.rest(id, clock);
+            return;
+        }
         let Some(mut entity) = self.entities.take(id) else {
             return;
         };
         entity.update_object(self, probe);
+        let (rests, clock) = (entity.rests(), entity.kin.update_time);
         self.entities.put(entity);
+        if rests && !culls {
+            self.entities.rest(id, clock);
+        }
+    }
+
+    /// What the update of an object does to its clock, s, while no quantum does anything (B3 steps 1 and 3 to 7).
+    fn pass_time(&mut self, clock: f64) -> f64 {
+        let (now, profile) = (self.clock.now, &self.profile);
+        if profile.tiny_gap_dropped && now - clock < f64::from(EPSILON) {
+            return now;
+        }
+        self.clock.sim_time = clock;
+        let mut gap = now - clock;
+        if gap <= profile.min_quantum {
+            return clock;
+        }
+        if gap > HUGE_QUANTUM {
+            return now;
+        }
+        while gap > profile.max_quantum {
+            self.clock.sim_time += profile.max_quantum;
+            gap -= profile.max_quantum;
+        }
+        if gap > profile.min_quantum {
+            self.clock.sim_time += gap;
+        }
+        match profile.remainder {
+            Remainder::Kept => self.clock.sim_time,
+            Remainder::Dropped => now,
+        }
     }
 }
 
@@ -100,6 +137,15 @@ impl Entity {
             Remainder::Kept => world.clock.sim_time,
             Remainder::Dropped => now,
         };
+    }
+
+    /// Whether an update, until somebody changes the object, does nothing but advance its clock.
+    fn rests(&self) -> bool {
+        !self.kin.transient.contains(TransientState::ACTIVE)
+            && self.body.parent.is_none()
+            && self.body.cell.is_some()
+            && !self.body.state.contains(PhysicsState::FROZEN)
+            && !self.is_broken()
     }
 
     fn run_quanta<P: Probe>(&mut self, mut gap: f64, world: &mut World, probe: &mut P) {

@@ -11,7 +11,7 @@ use super::landscape::{Landscape, Missing};
 use crate::animation::{PartArray, PhysicsPart};
 use crate::math::{
     BoundingBox, CELL_LENGTH, CellId, EPSILON, Frame, LandCoord, Plane, Position, Quat, Sidedness,
-    Sphere, Vec3, block_offset,
+    Sphere, Vec3, block_offset, floor,
 };
 use crate::physics::body::Body;
 use crate::physics::collision::BoundingType;
@@ -60,6 +60,8 @@ struct Builder<'a> {
     profile: &'a Profile,
     array: &'a mut CellArray,
     outcome: CellListOutcome,
+    /// The outdoor cells of the spheres are in the list: adding them again would change nothing.
+    has_outside: bool,
 }
 
 impl Landscape {
@@ -76,6 +78,7 @@ impl Landscape {
             profile,
             array,
             outcome: CellListOutcome::default(),
+            has_outside: false,
         };
         list.find(at);
         list.outcome
@@ -137,6 +140,7 @@ impl Landscape {
             profile,
             array,
             outcome: CellListOutcome::default(),
+            has_outside: false,
         };
         let mut k = 0;
         while k < list.array.cells.len() {
@@ -337,9 +341,10 @@ impl Builder<'_> {
 
     /// Outdoor cells that spheres touch (10.1).
     fn add_all_outside_cells(&mut self, at: SpheresAt<'_>) {
-        if self.array.added_outside {
+        if self.array.added_outside || self.has_outside {
             return;
         }
+        self.has_outside = true;
         if at.spheres.is_empty() {
             if let Some(coord) = at.position.outside_cell(self.profile).land_coord() {
                 self.add_outside_cell(coord.x, coord.y);
@@ -354,7 +359,7 @@ impl Builder<'_> {
             if id.is_none() {
                 return;
             }
-            let within = |v: f32| v - (v / CELL_LENGTH).floor() * CELL_LENGTH;
+            let within = |v: f32| v - floor(v / CELL_LENGTH) * CELL_LENGTH;
             let (tx, ty) = (within(center.x), within(center.y));
             if let Some(coord) = id.land_coord() {
                 self.add_outside_cell(coord.x, coord.y);

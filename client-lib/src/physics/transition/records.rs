@@ -213,16 +213,21 @@ impl<'w> SpherePath<'w> {
     /// A scale of zero gives infinities or NaN, which hit nothing. `T-26`: profile `gdle` multiplies the radius in f64.
     pub fn cache_localspace_sphere(&mut self, pos: &Position, scale: f32, profile: &Profile) {
         let inverse = 1.0 / scale;
-        for i in 0..self.num_sphere {
+        // As `Position::local_to_local`, with what is the same for all spheres computed once.
+        let from_curr = block_offset(pos.cell, self.curr_pos.cell);
+        let from_check = block_offset(pos.cell, self.check_pos.cell);
+        let (space, curr, check) = (&pos.frame, &self.curr_pos.frame, &self.check_pos.frame);
+        for i in 0..self.num_sphere.min(2) {
             let local = self.local_sphere[i];
-            self.localspace_curr_center[i] =
-                pos.local_to_local(&self.curr_pos, local.center, profile) * inverse;
+            let at_curr = from_curr + curr.local_to_global(local.center, profile);
+            let at_check = from_check + check.local_to_global(local.center, profile);
+            self.localspace_curr_center[i] = space.global_to_local(at_curr, profile) * inverse;
             let radius = match profile.walk_interp_width {
                 Width::F32 => local.radius * inverse,
                 Width::F64 => (f64::from(local.radius) * (1.0 / f64::from(scale))) as f32,
             };
             self.localspace_sphere[i] = Sphere {
-                center: pos.local_to_local(&self.check_pos, local.center, profile) * inverse,
+                center: space.global_to_local(at_check, profile) * inverse,
                 radius,
             };
         }
