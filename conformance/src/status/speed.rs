@@ -1,9 +1,6 @@
 //! The part of the page about time: benchmarks, the cost of a tick, and what it was measured on.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::{fs, path::Path};
 
 use ac_golden_traces::corpus;
 use serde::Deserialize;
@@ -61,7 +58,7 @@ pub fn benches_in(target: &Path) -> Vec<Bench> {
     benches
 }
 
-fn bench(estimates: &PathBuf) -> Option<Bench> {
+fn bench(estimates: &Path) -> Option<Bench> {
     let read = |path: &Path| serde_json::from_slice::<Value>(&fs::read(path).ok()?).ok();
     let about = read(&estimates.with_file_name("benchmark.json"))?;
     Some(Bench {
