@@ -4,6 +4,7 @@
 //! [`transition`], and the [commit](contacts) of its result.
 
 pub mod attachment;
+pub mod attack;
 pub mod body;
 pub mod collision;
 mod commit;

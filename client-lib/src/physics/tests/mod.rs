@@ -1,6 +1,7 @@
 //! Objects in a small world: invariants and hard cases of `spec/06-physics-object.md`, H2 to H4.
 
 mod attachment;
+mod attack;
 mod clock;
 mod managers;
 mod membership;
