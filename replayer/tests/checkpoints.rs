@@ -15,12 +15,12 @@ use serde_json::value::RawValue;
 /// Scenes that together run every stage.
 const SCENES: [&str; 8] = [
     "bounce/drop",
-    "bounce/pushed-player",
+    "clock/hitch-0.5",
     "interp/blip",
-    "lifecycle/parent",
+    "lifecycle/parent-teleport",
     "missile/hit-wall",
-    "motion/moveto-object",
-    "sticky/constraint",
+    "moveto/turn-to-heading",
+    "objects/players",
     "sticky/far",
 ];
 
@@ -67,6 +67,20 @@ fn same(a: &Value, b: &Value) -> bool {
     }
 }
 
+/// A record without the count of a move-to's failures. Nothing reads that field; the model leaves it at 0 and the client counts.
+fn without_fail_count(text: &RawValue) -> Value {
+    let mut record: Value = serde_json::from_str(text.get()).unwrap();
+    for side in ["in", "out"] {
+        if let Some(move_to) = record[side]
+            .get_mut("move_to")
+            .and_then(Value::as_object_mut)
+        {
+            move_to.remove("fail_count");
+        }
+    }
+    record
+}
+
 fn compare(recorded: &Value, written: &Value, place: &str, tally: &mut Tally) {
     tally.total += 1;
     let before = tally.fields.values().map(|(n, _)| n).sum::<u32>();
@@ -108,7 +122,6 @@ fn compare_frame(
     written: &[Box<RawValue>],
     tallies: &mut BTreeMap<String, Tally>,
 ) {
-    let value = |raw: &RawValue| -> Value { serde_json::from_str(raw.get()).unwrap() };
     if recorded.len() != written.len() {
         let entry = tallies.entry("number of records".into()).or_default();
         entry.total += 1;
@@ -121,7 +134,7 @@ fn compare_frame(
         });
     }
     for (recorded, written) in recorded.iter().zip(written) {
-        let (recorded, written) = (value(recorded), value(written));
+        let (recorded, written) = (without_fail_count(recorded), without_fail_count(written));
         let stage = recorded["stage"].as_str().unwrap();
         let place = format!(
             "{scene} frame {frame} {} {}",
