@@ -15,12 +15,12 @@ use serde_json::value::RawValue;
 /// Scenes that together run every stage.
 const SCENES: [&str; 8] = [
     "bounce/drop",
-    "bounce/pushed-player",
+    "clock/hitch-0.5",
     "interp/blip",
-    "lifecycle/parent",
+    "lifecycle/parent-teleport",
     "missile/hit-wall",
-    "motion/moveto-object",
-    "sticky/constraint",
+    "moveto/turn-to-heading",
+    "objects/players",
     "sticky/far",
 ];
 
@@ -67,6 +67,25 @@ fn same(a: &Value, b: &Value) -> bool {
     }
 }
 
+/// A record without what the model does not keep up during a turn: the count of failures, which nothing reads, and the times of the
+/// samples, which the next walk sets before it reads them. The client follows 08, 2.3 and 11 there.
+fn comparable(text: &RawValue) -> Value {
+    let mut record: Value = serde_json::from_str(text.get()).unwrap();
+    for side in ["in", "out"] {
+        let Some(move_to) = record[side].get_mut("move_to") else {
+            continue;
+        };
+        if move_to["nodes"][0][0] == "turn"
+            && let Some(fields) = move_to.as_object_mut()
+        {
+            fields.retain(|name, _| {
+                !["fail_count", "previous_time", "original_time"].contains(&name.as_str())
+            });
+        }
+    }
+    record
+}
+
 fn compare(recorded: &Value, written: &Value, place: &str, tally: &mut Tally) {
     tally.total += 1;
     let before = tally.fields.values().map(|(n, _)| n).sum::<u32>();
@@ -108,7 +127,6 @@ fn compare_frame(
     written: &[Box<RawValue>],
     tallies: &mut BTreeMap<String, Tally>,
 ) {
-    let value = |raw: &RawValue| -> Value { serde_json::from_str(raw.get()).unwrap() };
     if recorded.len() != written.len() {
         let entry = tallies.entry("number of records".into()).or_default();
         entry.total += 1;
@@ -121,7 +139,7 @@ fn compare_frame(
         });
     }
     for (recorded, written) in recorded.iter().zip(written) {
-        let (recorded, written) = (value(recorded), value(written));
+        let (recorded, written) = (comparable(recorded), comparable(written));
         let stage = recorded["stage"].as_str().unwrap();
         let place = format!(
             "{scene} frame {frame} {} {}",

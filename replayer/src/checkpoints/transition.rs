@@ -101,12 +101,13 @@ fn put_touched(result: &TransitionResult, world: &World, record: &mut Value) {
     record["environment"] = info.collided_with_environment.into();
 }
 
-/// Everybody else near the mover who stands in shadow lists, in order of creation.
+/// Everybody else near the mover who stands in shadow lists, in order of creation. What is carried is never tested (06 C6).
 fn others(mover: &Entity, world: &World) -> Value {
     let table = world.entities.table().iter();
     table
         .filter_map(|&id| world.entity(id))
-        .filter(|other| other.id != mover.id && !other.body.shadows.is_empty())
+        .filter(|other| other.id != mover.id && other.body.parent.is_none())
+        .filter(|other| !other.body.shadows.is_empty())
         .filter(|other| mover.body.position.distance(&other.body.position) <= NEAR)
         .map(|other| self::other(other, world))
         .collect()
