@@ -280,10 +280,13 @@ pub fn running_in_a_room() -> Case {
     case
 }
 
-/// A player that runs against a wall.
+/// A player that runs along a wall, obliquely into it.
 pub fn against_a_wall() -> Case {
     let mut case = running_in_a_room();
     case.turn_every = 0;
+    let id = case.moving[0];
+    case.world
+        .with_entity(id, |entity, world| entity.set_heading(30.0, world));
     case
 }
 

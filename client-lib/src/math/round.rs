@@ -4,7 +4,7 @@
 #[inline]
 pub fn floor(v: f32) -> f32 {
     // From 2^23 on every number is an integer. Not a number stays.
-    if !(v.abs() < 8_388_608.0) {
+    if v.is_nan() || v.abs() >= 8_388_608.0 {
         return v;
     }
     let towards_zero = v as i32 as f32;
@@ -20,7 +20,7 @@ pub fn floor(v: f32) -> f32 {
 /// `f64::floor`, bit for bit.
 #[inline]
 pub fn floor64(v: f64) -> f64 {
-    if !(v.abs() < 4_503_599_627_370_496.0) {
+    if v.is_nan() || v.abs() >= 4_503_599_627_370_496.0 {
         return v;
     }
     let towards_zero = v as i64 as f64;
