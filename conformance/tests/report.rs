@@ -95,9 +95,12 @@ fn the_report_works_in_a_browser() {
     let (detail, log) = open(
         &browser,
         folder.path(),
-        "open=bounce/drop%7Cace%7Cfree%7C0x50000001",
+        "open=bounce/drop%7Cace%7Cfree%7C0x70000001",
     );
     assert!(!log.contains("CONSOLE"), "{log}");
     assert!(detail.contains("From above") && detail.contains("Outcomes and cells"));
-    assert!(!detail.contains("NaN"), "a plot has a coordinate that is no number");
+    assert!(
+        !detail.contains("NaN"),
+        "a plot has a coordinate that is no number"
+    );
 }
