@@ -92,7 +92,7 @@ pub fn page(
         .collect();
     let data = json!({
         "version": env!("CARGO_PKG_VERSION"),
-        "outcomes": ac_client::frame::state::Outcome::ALL.map(|outcome| outcome.name()),
+        "outcomes": series::BY_SEVERITY.map(|outcome| outcome.name()),
         "totals": totals,
         "results": rows,
     });

@@ -173,7 +173,7 @@ function pathText(path, x, y) {
   return text;
 }
 const short = (value) => String(+value.toPrecision(6));
-function plot(title, across, up, sides, equal) {
+function plot(title, across, up, sides, equal, same) {
   const width = 560, height = 320, left = 64, right = 14, top = 10, bottom = 34;
   const all = sides.flatMap(([, path]) => path.filter(Boolean));
   let x = scale(all.map((point) => point[0]), left, width - right, 0.1), y = scale(all.map((point) => point[1]), height - bottom, top, 0.1);
@@ -196,7 +196,7 @@ function plot(title, across, up, sides, equal) {
   }
   return make("div", { class: "card" }, make("h3", {}, title), svg,
     make("div", { class: "legend" }, ...sides.map(([name]) => make("span", {}, make("i", { class: name }), name)), make("span", {}, "○ start"),
-      sides.length < 2 ? make("span", {}, "the client's path is the same") : null));
+      same ? make("span", {}, "the client's path is the same") : null));
 }
 /// Frame of a point, when `count` points stand for all frames.
 const frameAt = (frames, count, index) => count < 2 ? frames[0] : frames[0] + index / (count - 1) * (frames[1] - frames[0]);
@@ -294,8 +294,8 @@ function detail(index) {
     if (mode?.actual) sides.push(["actual", mode.actual]);
     const paths = sides.map(([name, track]) => [name, points(track)]);
     body.push(make("div", { class: "grid" },
-      plot("From above", "x, east (m)", "y, north (m)", paths.map(([name, path]) => [name, path.map((p) => p && [p[0], p[1]])]), true),
-      plot("From the side", "distance walked (m)", "z (m)", paths.map(([name, path]) => [name, side(path)]), false)));
+      plot("From above", "x, east (m)", "y, north (m)", paths.map(([name, path]) => [name, path.map((p) => p && [p[0], p[1]])]), true, mode && !mode.actual),
+      plot("From the side", "distance walked (m)", "z (m)", paths.map(([name, path]) => [name, side(path)]), false, mode && !mode.actual)));
     if (mode) body.push(errorPlot(row, block, mode.errors));
     body.push(timeline(row, block, sides));
   }

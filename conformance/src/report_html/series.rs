@@ -1,6 +1,9 @@
 //! What is kept of every frame while a scene runs, so that the report can draw it.
 
-use ac_client::frame::{FrameState, state::Fields};
+use ac_client::frame::{
+    FrameState,
+    state::{Fields, Outcome},
+};
 
 use crate::{
     compare::{fields, is_gone},
@@ -10,6 +13,28 @@ use crate::{
 /// Side of a landblock, metres.
 const BLOCK: f64 = 192.0;
 
+/// Outcomes from the least to the most obstructed: what a slice of time shows is the last of these in it.
+pub const BY_SEVERITY: [Outcome; 6] = [
+    Outcome::None,
+    Outcome::Ok,
+    Outcome::Adjusted,
+    Outcome::Slid,
+    Outcome::Collided,
+    Outcome::Failed,
+];
+
+/// Index into [`BY_SEVERITY`].
+pub fn severity(outcome: Outcome) -> u8 {
+    match outcome {
+        Outcome::None => 0,
+        Outcome::Ok => 1,
+        Outcome::Adjusted => 2,
+        Outcome::Slid => 3,
+        Outcome::Collided => 4,
+        Outcome::Failed => 5,
+    }
+}
+
 /// One state, as far as it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
@@ -17,8 +42,7 @@ pub struct Sample {
     pub frame: i32,
     /// Id of the cell, 0 for none.
     pub cell: u32,
-    /// Worst outcome of the quanta of the frame: an index into [`ac_client::frame::state::Outcome::ALL`]; `None` without a
-    /// quantum.
+    /// Worst outcome of the quanta of the frame, as [`severity`]; `None` without a quantum.
     pub outcome: Option<u8>,
     /// Position in metres from the south-west corner of the map; `None` without one.
     pub place: Option<[f64; 3]>,
@@ -36,7 +60,7 @@ impl Sample {
         Self {
             frame: state.frame,
             cell: state.cell,
-            outcome: state.steps.iter().map(|step| step.outcome as u8).max(),
+            outcome: state.steps.iter().map(|step| severity(step.outcome)).max(),
             place: shown.then_some(place),
         }
     }
@@ -140,6 +164,13 @@ mod tests {
         assert_eq!(series.actual.len(), series.expected.len());
         assert_eq!(series.expected[0].place, Some([193.0, 386.0, 3.0]));
         assert_eq!(series.errors, [("origin", vec![(1, 0.5)])]);
+    }
+
+    #[test]
+    fn severity_is_the_place_in_the_list() {
+        for (index, outcome) in BY_SEVERITY.into_iter().enumerate() {
+            assert_eq!(usize::from(severity(outcome)), index);
+        }
     }
 
     #[test]
