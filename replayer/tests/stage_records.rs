@@ -185,10 +185,11 @@ fn recorded_inputs_win() {
         let TraceEvent::Stages { message, .. } = event else {
             continue;
         };
-        let parse = |raw: &Box<serde_json::value::RawValue>| -> Value {
-            serde_json::from_str(raw.get()).unwrap()
-        };
-        let mut records: Vec<Value> = message.records.iter().map(parse).collect();
+        let mut records: Vec<Value> = message
+            .records
+            .iter()
+            .map(|raw| serde_json::from_str(raw.get()).unwrap())
+            .collect();
         for index in 0..records.len() {
             let recorded = records[index].clone();
             if !change(&mut records[index]) {
