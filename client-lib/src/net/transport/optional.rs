@@ -9,7 +9,7 @@ pub struct SequenceList<'a>(pub(super) &'a [u8]);
 impl<'a> SequenceList<'a> {
     /// A list of little-endian words; `None` unless the length is a multiple of 4.
     pub const fn new(bytes: &'a [u8]) -> Option<Self> {
-        if bytes.len() % 4 == 0 {
+        if bytes.len().is_multiple_of(4) {
             Some(Self(bytes))
         } else {
             None
