@@ -1,1 +1,12 @@
-//! placeholder
+//! Recordings of client/server sessions: format, UDP relay, redaction, recovery (`spec/09-network.md`, 2 and 14).
+//!
+//! A recording is an MCAP file of raw datagrams: one channel per client, direction and server port. Secrets are overwritten before
+//! anything reaches the disk; lengths, sequences and key words stay, so a recording still verifies.
+
+pub mod cli;
+pub mod decode;
+pub mod error;
+pub mod format;
+pub mod pcap;
+pub mod proxy;
+pub mod relay;

@@ -30,7 +30,7 @@ pub use common::Text;
 use common::{IfLeft, Rest};
 pub use names::message_name;
 pub use property::PropertyUpdate;
-use wire::{Problem, ReadError, Reader, Wire, Writer};
+use wire::{ReadError, Reader, Wire, Writer};
 
 /// Opcode of the envelope of a game event.
 pub const GAME_EVENT: u32 = 0xF7B0;
@@ -421,7 +421,7 @@ impl ClientMessage {
     }
 }
 
-/// Reads the depth-bounded layouts of a message in either direction; what the recorder shows.
+/// Reads a message of either direction and answers with the number of extra bytes after it.
 ///
 /// # Errors
 /// As [`ServerMessage::parse`] and [`ClientMessage::parse`].
@@ -430,9 +430,4 @@ pub fn check(bytes: &[u8], direction: Direction) -> Result<usize, MessageError> 
         Direction::ToClient => ServerMessage::parse(bytes).map(|p| p.extra.len()),
         Direction::ToServer => ClientMessage::parse(bytes).map(|p| p.extra.len()),
     }
-}
-
-/// The problem of a message that ends before its opcode does.
-pub const fn is_truncated(error: &MessageError) -> bool {
-    matches!(error.error.problem, Problem::TooShort { .. })
 }

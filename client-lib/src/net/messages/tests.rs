@@ -482,10 +482,6 @@ fn session_messages() {
     }
 }
 
-fn bits_of<T>(values: &[T]) -> usize {
-    values.len()
-}
-
 fn text() -> impl Strategy<Value = Text> {
     prop::collection::vec(any::<u8>(), 0..20).prop_map(Text)
 }
@@ -539,7 +535,7 @@ proptest! {
         let bytes = ServerMessage::Plain(message).to_bytes();
         let written = (0..4).filter(|i| bytes[8] & (8 << i) == 0).count();
         let extra = 12 * usize::from(pack.velocity.is_some()) + 4 * usize::from(pack.placement.is_some());
-        prop_assert_eq!(w.bytes.len(), 4 + 16 + 4 * bits_of(&vec![(); written]) + extra + 8);
+        prop_assert_eq!(w.bytes.len(), 4 + 16 + 4 * written + extra + 8);
     }
 
     #[test]
