@@ -13,8 +13,11 @@ use criterion::{Criterion, criterion_group, criterion_main};
 
 use common::Case;
 
+/// Name of a case and how its world is made.
+type Named = (&'static str, fn() -> Case);
+
 fn transition(c: &mut Criterion) {
-    let cases: [(&str, fn() -> Case); 4] = [
+    let cases: [Named; 4] = [
         ("terrain", common::running_on_slopes),
         ("wall", common::against_a_wall),
         ("room", common::running_in_a_room),
