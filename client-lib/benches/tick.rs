@@ -14,8 +14,11 @@ use common::Case;
 /// Frames until everything has settled.
 const WARM_UP: u32 = 200;
 
+/// Name of a case and how its world is made.
+type Named = (&'static str, fn() -> Case);
+
 fn single(c: &mut Criterion) {
-    let cases: [(&str, fn() -> Case); 6] = [
+    let cases: [Named; 6] = [
         ("resting", common::resting),
         ("sliding", common::sliding),
         ("idle_npc", || common::idle_npcs(1)),
