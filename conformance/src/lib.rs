@@ -2,6 +2,7 @@
 //!
 //! - [`run`]: scenes, frame by frame; [`compare`] is its core.
 //! - [`status`]: the page that says what matches how well.
+//! - [`hash`]: whether two runs computed the same bits.
 //! - [`vectors`]: calls of single primitives.
 //!
 //! The binary `ac-conform` is a thin shell around [`cli`].
@@ -9,6 +10,7 @@
 
 pub mod cli;
 pub mod compare;
+pub mod hash;
 pub mod run;
 pub mod status;
 pub mod vectors;

@@ -334,6 +334,7 @@ mod tests {
             max_error: BTreeMap::new(),
             undefined: 0,
             class: Class::Exact,
+            tolerated: BTreeMap::new(),
             not_run: 2,
             stages: [("commit".to_owned(), stage)]
                 .into_iter()

@@ -4,6 +4,7 @@
 //! where, and what to do).
 
 mod bless;
+mod hash;
 mod import;
 mod run;
 mod status;
@@ -38,6 +39,8 @@ enum Command {
     Run(run::Args),
     /// Take the divergences of the bundled traces into the baseline, after showing what changes in it.
     Bless(bless::Args),
+    /// Print one state hash per scene, or check them against a file: were the same bits computed?
+    Hash(hash::Args),
     /// Make traces of scenes and the files that oracles wrote for them.
     Import(import::Args),
     /// Measure everything that is bundled and write the status page.
@@ -72,6 +75,7 @@ pub fn main() -> ExitCode {
     let outcome = match cli.command {
         Command::Run(args) => run::run(&args, &simulator(args.worlds.as_deref())),
         Command::Bless(args) => bless::run(&args, &simulator(None)),
+        Command::Hash(args) => hash::run(&args, &simulator(args.worlds.as_deref())),
         Command::Import(args) => import::run(&args),
         Command::Status(args) => status::run(&args, &simulator(None)),
         Command::Vectors(args) => vectors::run(&args),

@@ -14,14 +14,26 @@ use std::{collections::BTreeMap, path::PathBuf};
 use ac_golden_traces::GoldenError;
 use ac_replayer::{SimulationError, Simulator};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 pub use cases::Case;
 
-use crate::compare::{Class, Comparison, Divergence, MaxError};
+use crate::compare::{Class, Comparison, Divergence, MaxError, policy::Policy};
 
 /// How to compare.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, clap::ValueEnum)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    clap::ValueEnum,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
     /// From the first state on, never corrected: shows drift.
@@ -58,7 +70,7 @@ pub struct Options {
 }
 
 /// The result for one scene, oracle, mode and entity.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunResult {
     /// Name of the scene.
     pub scene: String,
@@ -81,17 +93,29 @@ pub struct RunResult {
     /// Largest error per numeric field that differs.
     pub max_error: BTreeMap<String, MaxError>,
     /// Frames whose expectation is not finite somewhere.
-    #[serde(skip)]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub undefined: u64,
     /// Exact, within tolerance or diverged.
-    #[serde(skip)]
+    #[serde(default, skip_serializing_if = "is_said_by_divergence")]
     pub class: Class,
+    /// Differences that a rule of the policy tolerates: how many, by the rule.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub tolerated: BTreeMap<String, u64>,
     /// Stage records that the client cannot run alone.
-    #[serde(skip)]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub not_run: u64,
     /// Stage records per stage (stage mode).
     #[serde(skip)]
     pub stages: BTreeMap<String, StageCount>,
+}
+
+fn is_zero(number: &u64) -> bool {
+    *number == 0
+}
+
+/// Exact and diverged follow from `first_divergence`.
+fn is_said_by_divergence(class: &Class) -> bool {
+    *class != Class::WithinTolerance
 }
 
 /// Records of one stage.
@@ -126,6 +150,7 @@ impl RunResult {
             undefined: comparison.undefined,
             not_run: comparison.not_run,
             class: comparison.class(),
+            tolerated: comparison.tolerated,
             first_divergence: comparison.first_divergence,
             max_error: comparison.max_error,
             stages: BTreeMap::new(),
@@ -189,10 +214,21 @@ pub fn run(
     options: &Options,
     done: impl Fn() + Sync,
 ) -> Outcome {
+    run_with(simulator, cases, options, &Policy::default(), done)
+}
+
+/// [`run`] with a policy that says what may differ.
+pub fn run_with(
+    simulator: &dyn Simulator,
+    cases: &[Case],
+    options: &Options,
+    policy: &Policy,
+    done: impl Fn() + Sync,
+) -> Outcome {
     let each: Vec<_> = cases
         .par_iter()
         .map(|case| {
-            let results = runner::run_case(simulator, case, options);
+            let results = runner::run_case(simulator, case, options, policy);
             done();
             results
         })
