@@ -571,8 +571,11 @@ mod tests {
             },
         );
         let (same, other) = (
-            scene("a/one", &[&[a.clone()], &[a.clone()]]),
-            scene("a/one", &[&[a.clone()], &[b]]),
+            scene(
+                "a/one",
+                &[std::slice::from_ref(&a), std::slice::from_ref(&a)],
+            ),
+            scene("a/one", &[std::slice::from_ref(&a), &[b]]),
         );
         let written = text("retail", &[same.clone(), scene("a/two", &[])], true);
         insta::assert_snapshot!(written);

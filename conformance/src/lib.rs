@@ -2,6 +2,7 @@
 //!
 //! - [`run`]: scenes, frame by frame; [`compare`] is its core.
 //! - [`status`]: the page that says what matches how well.
+//! - [`gate`]: what a run means for a change, in shards, for CI systems.
 //! - [`hash`]: whether two runs computed the same bits.
 //! - [`vectors`]: calls of single primitives.
 //!
@@ -10,6 +11,7 @@
 
 pub mod cli;
 pub mod compare;
+pub mod gate;
 pub mod hash;
 pub mod run;
 pub mod status;

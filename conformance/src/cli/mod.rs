@@ -4,8 +4,10 @@
 //! where, and what to do).
 
 mod bless;
+mod gate;
 mod hash;
 mod import;
+mod merge;
 mod run;
 mod status;
 mod vectors;
@@ -43,6 +45,8 @@ enum Command {
     Hash(hash::Args),
     /// Make traces of scenes and the files that oracles wrote for them.
     Import(import::Args),
+    /// Put the results of all shards of a run together and judge them as one.
+    Merge(merge::Args),
     /// Measure everything that is bundled and write the status page.
     Status(status::Args),
     /// Run vector files: calls of single primitives, compared bit for bit.
@@ -77,6 +81,7 @@ pub fn main() -> ExitCode {
         Command::Bless(args) => bless::run(&args, &simulator(None)),
         Command::Hash(args) => hash::run(&args, &simulator(args.worlds.as_deref())),
         Command::Import(args) => import::run(&args),
+        Command::Merge(args) => merge::run(&args),
         Command::Status(args) => status::run(&args, &simulator(None)),
         Command::Vectors(args) => vectors::run(&args),
     };
