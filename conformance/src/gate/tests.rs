@@ -205,3 +205,92 @@ fn half_a_run_is_no_run() {
     insta::assert_snapshot!(bad(vec![part("1/2", &["a/b"]), part("2/2", &["a/b"])]), @"2-2.json: a/b gdle free 0x1 is in another document too");
     insta::assert_snapshot!(bad(vec![("x.json".into(), Document::default())]), @"x.json: schema `` is not `ac-conform-run/1`");
 }
+
+/// A client whose every start is a little further along than the one before, if it drifts.
+struct Drifting {
+    starts: std::sync::atomic::AtomicU8,
+    drifts: bool,
+}
+
+struct DriftingRun(f32);
+
+impl ac_replayer::Simulator for Drifting {
+    fn start(
+        &self,
+        _: &ac_golden_traces::Scene,
+        _: &ac_client::profile::Profile,
+    ) -> Result<Box<dyn ac_replayer::Simulation>, ac_replayer::SimulationError> {
+        let starts = self
+            .starts
+            .fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        let drift = if self.drifts { f32::from(starts) } else { 0.0 };
+        Ok(Box::new(DriftingRun(1.0 + drift)))
+    }
+}
+
+impl ac_replayer::Simulation for DriftingRun {
+    fn frame_minus_one(
+        &mut self,
+        out: &mut ac_client::frame::FrameStates,
+    ) -> Result<(), ac_replayer::SimulationError> {
+        let state = out.push(-1, 10.0, 1);
+        state.has = ac_client::frame::state::Fields::ORIGIN;
+        state.cell = 0xA9B4_0001;
+        state.origin = [self.0, 0.0, 0.0];
+        Ok(())
+    }
+
+    fn step(
+        &mut self,
+        _: u32,
+        _: &mut ac_client::frame::FrameStates,
+    ) -> Result<(), ac_replayer::SimulationError> {
+        Ok(())
+    }
+
+    fn load_state(
+        &mut self,
+        _: &ac_client::frame::FrameState,
+    ) -> Result<(), ac_replayer::SimulationError> {
+        Ok(())
+    }
+
+    fn run_stage(
+        &mut self,
+        _: &[serde_json::Value],
+        _: usize,
+    ) -> Result<Option<serde_json::Value>, ac_replayer::SimulationError> {
+        Ok(None)
+    }
+}
+
+#[test]
+fn a_failure_that_changes_is_flaky_and_one_that_stays_is_new() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "t.scene.json",
+        r#"{"schema":"ac-scene/1","name":"area/tiny","summary":"s","world":"w","features":[],"start_time":10,"frames":[{"dt":0.5,"count":1}],"track":["0x1"],"entities":[],"script":[]}"#,
+    );
+    write(
+        "t.expect.jsonl",
+        "{\"schema\":\"ac-expect/1\",\"scene\":\"area/tiny\",\"oracle\":\"gdle\",\"oracle_version\":\"1\",\"notes\":[]}\n{\"frame\":-1,\"time\":10,\"guid\":\"0x1\",\"cell\":\"0xA9B40001\",\"origin\":[0,0,0]}\n",
+    );
+    let cases = crate::run::cases::find(&[folder.path().to_owned()], None, None).unwrap();
+    let options = crate::run::Options {
+        modes: vec![Mode::Free],
+        oracle: None,
+        profile: None,
+    };
+    let verdict = |drifts| {
+        let client = Drifting {
+            starts: 0.into(),
+            drifts,
+        };
+        let document = Document::run(&client, &cases, &options, &Default::default(), None, || ());
+        assert!(document.errors.is_empty(), "{:?}", document.errors);
+        document.verdict(&document.results[0], &Baseline::default())
+    };
+    assert_eq!(verdict(true), Verdict::Flaky);
+    assert_eq!(verdict(false), Verdict::New);
+}
