@@ -32,8 +32,8 @@ pub struct PartArray {
     pub parts: Vec<Option<PhysicsPart>>,
     /// Animation hooks that wait to be executed, in order.
     pub hooks: AnimHookQueue,
-    setup: Option<Arc<Setup>>,
-    scale: Vec3,
+    pub(crate) setup: Option<Arc<Setup>>,
+    pub(crate) scale: Vec3,
 }
 
 impl PartArray {

@@ -74,9 +74,9 @@ pub struct Pipeline {
     /// How often the entity tick runs.
     pub pacing: Pacing,
     /// When it last ran, s; only the engine gate looks at it.
-    last_update: f64,
+    pub(crate) last_update: f64,
     /// The entities of this frame, in order; reused.
-    order: Vec<EntityId>,
+    pub(crate) order: Vec<EntityId>,
 }
 
 impl Pipeline {

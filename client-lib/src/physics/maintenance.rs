@@ -11,7 +11,7 @@ const DESTRUCTION_TIME: f64 = 25.0;
 /// Objects whose cell is not loaded, by cell id.
 #[derive(Debug, Clone, Default)]
 pub struct LostCells {
-    cells: BTreeMap<CellId, Vec<EntityId>>,
+    pub(crate) cells: BTreeMap<CellId, Vec<EntityId>>,
 }
 
 impl LostCells {
@@ -46,7 +46,7 @@ impl LostCells {
 /// Objects out of sight and when they are due, s.
 #[derive(Debug, Clone, Default)]
 pub struct DestructionQueue {
-    due: BTreeMap<EntityId, f64>,
+    pub(crate) due: BTreeMap<EntityId, f64>,
 }
 
 impl DestructionQueue {

@@ -3,6 +3,7 @@
 mod entity;
 mod scene;
 mod script;
+mod snapshot;
 mod stages;
 
 use std::collections::BTreeMap;
@@ -14,6 +15,8 @@ use ac_client::profile::Profile;
 use ac_golden_traces::Scene;
 
 pub use scene::SceneRun;
+pub use snapshot::SCENE_VERSION;
+pub(crate) use snapshot::to_json as snapshot_to_json;
 
 use crate::simulation::{Simulation, SimulationError, Simulator};
 
@@ -63,5 +66,17 @@ impl Simulator for ClientSimulator {
     ) -> Result<Box<dyn Simulation>, SimulationError> {
         let source = self.world(&scene.world)?;
         Ok(Box::new(SceneRun::new(scene, source, profile)?))
+    }
+
+    fn resume(
+        &self,
+        scene: &Scene,
+        profile: &Profile,
+        snapshot: &[u8],
+    ) -> Result<Box<dyn Simulation>, SimulationError> {
+        let source = self.world(&scene.world)?;
+        Ok(Box::new(SceneRun::resume(
+            scene, source, profile, snapshot,
+        )?))
     }
 }
