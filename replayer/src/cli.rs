@@ -99,9 +99,8 @@ pub fn main() -> ExitCode {
     };
     let outcome = match cli.command {
         Command::Run(args) => run(&args).map(|()| ExitCode::SUCCESS),
-        Command::Seek(args) => keyframes::seek(&args, &mut std::io::stdout().lock()),
-        Command::Keyframes(args) => keyframes::list(&args, &mut std::io::stdout().lock())
-            .map(|()| ExitCode::SUCCESS),
+        Command::Seek(args) => keyframes::seek(&args),
+        Command::Keyframes(args) => keyframes::list(&args).map(|()| ExitCode::SUCCESS),
         Command::Dat(args) => crate::dat_cmd::run(&args, &mut std::io::stdout().lock())
             .map(|verdict| ExitCode::from(verdict.code()))
             .map_err(miette::Report::new),
@@ -119,7 +118,8 @@ fn run(args: &RunArgs) -> miette::Result<()> {
     let worlds = keyframes::worlds(args.worlds.as_deref());
     let simulator = ClientSimulator::new(&worlds);
     let (input, info) = load(args, &worlds)?;
-    let profile = keyframes::profile_for(args.profile.as_deref(), &info.profile).into_diagnostic()?;
+    let profile =
+        keyframes::profile_for(args.profile.as_deref(), &info.profile).into_diagnostic()?;
     let info = TraceInfo {
         version: FormatVersion::CURRENT,
         producer: concat!("ac-replay ", env!("CARGO_PKG_VERSION")).into(),

@@ -20,11 +20,7 @@ fn traces() -> Vec<PathBuf> {
 }
 
 /// The records of the rest of a run from `next` on, and all state at its end.
-fn finish(
-    simulation: &mut dyn Simulation,
-    next: u32,
-    end: u32,
-) -> (Vec<Vec<FrameState>>, Vec<u8>) {
+fn finish(simulation: &mut dyn Simulation, next: u32, end: u32) -> (Vec<Vec<FrameState>>, Vec<u8>) {
     let mut states = FrameStates::new();
     let mut frames = Vec::new();
     for frame in next..end {
@@ -44,7 +40,12 @@ fn same(a: &[FrameState], b: &[FrameState]) -> bool {
 }
 
 /// Runs a scene straight, takes keyframes on the way, goes on from each, and compares every frame after it and all state at the end.
-fn check(path: &Path, simulator: &ClientSimulator, profile: &Profile, at: &[u32]) -> Result<(), String> {
+fn check(
+    path: &Path,
+    simulator: &ClientSimulator,
+    profile: &Profile,
+    at: &[u32],
+) -> Result<(), String> {
     let reader = TraceReader::open(path).expect("it is a trace");
     let (scene, text) = (reader.scene().clone(), reader.scene_text().to_vec());
     let identity = Identity::new(reader.info(), &text, profile);
@@ -70,7 +71,8 @@ fn check(path: &Path, simulator: &ClientSimulator, profile: &Profile, at: &[u32]
         let context = format!("{} {} after frame {frame}", scene.name, profile.name);
         let (header, snapshot) = decode(&bytes).expect("it is read");
         identity.accept(&header).expect("it is of this run");
-        let mut resumed = resume(simulator, &scene, profile, &snapshot).map_err(|e| format!("{context}: {e}"))?;
+        let mut resumed =
+            resume(simulator, &scene, profile, &snapshot).map_err(|e| format!("{context}: {e}"))?;
         resumed.records(frame.cast_signed(), &mut states).unwrap();
         if !same(&states, &frames[frame as usize]) {
             return Err(format!("{context}: its own records differ"));
@@ -108,13 +110,16 @@ fn every_scene_goes_on_from_its_keyframes_bit_for_bit() {
     let cases: Vec<(PathBuf, Profile)> = traces()
         .into_iter()
         .enumerate()
-        .map(|(index, path)| {
-            // Every scene under one profile, all profiles in turn.
-            let name = Profile::NAMES[index % Profile::NAMES.len()];
-            (path, Profile::named(name).expect("it is a preset"))
+        .flat_map(|(index, path)| {
+            // Every scene under two profiles, all pairs of neighbours in turn.
+            [index, index + 1].map(|at| {
+                let name = Profile::NAMES[at % Profile::NAMES.len()];
+                let profile = Profile::named(name).expect("it is a preset");
+                (path.clone(), profile)
+            })
         })
         .collect();
-    assert!(cases.len() > 150, "{} scenes", cases.len());
+    assert!(cases.len() > 300, "{} runs", cases.len());
     let failed: Vec<String> = cases
         .par_iter()
         .filter_map(|(path, profile)| check(path, &simulator, profile, &[0, 30, 70]).err())
@@ -154,21 +159,39 @@ fn a_trace_with_keyframes_is_entered_anywhere() {
     let scene = corpus::bundled().join("traces/terrain/cliff-jump.mcap");
     let scene = scene.to_str().unwrap();
     let (whole, part) = (path("whole.mcap"), path("part.mcap"));
-    let run = ["run", scene, "--profile", "ace", "--keyframes", "20", "-o", &whole];
+    let run = [
+        "run",
+        scene,
+        "--profile",
+        "ace",
+        "--keyframes",
+        "20",
+        "-o",
+        &whole,
+    ];
     assert_eq!(replay(&run).0, 0);
     let (code, text) = replay(&["keyframes", &whole]);
     assert!(code == 0 && text.contains("\n      19 "), "{text}");
     let (code, text) = replay(&["seek", &whole, "--frame", "47"]);
     assert_eq!(code, 0, "{text}");
-    assert!(text.contains("frame 47: 8 frames run from the keyframe after frame 39"), "{text}");
+    assert!(
+        text.contains("frame 47: 8 frames run from the keyframe after frame 39"),
+        "{text}"
+    );
     assert!(text.contains("the trace holds the same bits"), "{text}");
     let (_, from_start) = replay(&["seek", &whole, "--frame", "47", "--from-start"]);
     let hash = |text: &str| text.split("all state ").nth(1).unwrap()[..64].to_owned();
     assert_eq!(hash(&text), hash(&from_start), "all state is the same");
     let (code, text) = replay(&["seek", &whole, "--frame", "-1"]);
-    assert!(code == 0 && text.contains("from the start of the scene"), "{text}");
+    assert!(
+        code == 0 && text.contains("from the start of the scene"),
+        "{text}"
+    );
     assert_eq!(replay(&["seek", &whole, "--frame", "99999"]).0, 2);
-    assert_eq!(replay(&["run", &whole, "--from", "41", "--to", "60", "-o", &part]).0, 0);
+    assert_eq!(
+        replay(&["run", &whole, "--from", "41", "--to", "60", "-o", &part]).0,
+        0
+    );
     let whole_states = states_of(Path::new(&whole));
     let part_states = states_of(Path::new(&part));
     assert_eq!(part_states.len(), 20);
@@ -178,7 +201,18 @@ fn a_trace_with_keyframes_is_entered_anywhere() {
     }
     // Under another profile the keyframes do not count, and the program says so.
     let (code, text) = replay(&["seek", &whole, "--frame", "47", "--profile", "gdle"]);
-    assert!(code == 2 && text.contains("belongs to another profile"), "{text}");
-    let (code, _) = replay(&["seek", &whole, "--frame", "47", "--profile", "gdle", "--from-start"]);
+    assert!(
+        code == 2 && text.contains("belongs to another profile"),
+        "{text}"
+    );
+    let (code, _) = replay(&[
+        "seek",
+        &whole,
+        "--frame",
+        "47",
+        "--profile",
+        "gdle",
+        "--from-start",
+    ]);
     assert_eq!(code, 0);
 }

@@ -94,11 +94,10 @@ impl Stored for Arc<Setup> {
 
     fn restore(form: SetupForm, by: &mut Restorer<'_>) -> Result<Self, SnapshotError> {
         Ok(match form {
-            SetupForm::Record(id) => {
-                by.resources
-                    .setup(id)
-                    .ok_or(SnapshotError::MissingRecord { kind: "setup", id })?
-            }
+            SetupForm::Record(id) => by
+                .resources
+                .setup(id)
+                .ok_or(SnapshotError::MissingRecord { kind: "setup", id })?,
             SetupForm::Shape(id) => Self::new(simple_setup(&*Arc::<GfxShape>::restore(id, by)?)),
             SetupForm::Empty => Self::new(Setup::empty(0)),
         })

@@ -7,9 +7,7 @@ use crate::math::{CellId, Direction, Vec3};
 use crate::physics::body::{Body, ObjectRef, StaticId};
 use crate::world::landscape::{ABSENT, BROKEN, FIRST_SLOT, LandBlock, Landscape};
 use crate::world::terrain::{CELLS, Detail, DetailScale, TerrainBlock};
-use crate::world::{
-    BuildingPortal, CellBase, EnvCell, LandCell, StaticKind, StaticObject, World,
-};
+use crate::world::{BuildingPortal, CellBase, EnvCell, LandCell, StaticKind, StaticObject, World};
 
 #[cfg(test)]
 use super::form::{Forms, define};
@@ -218,7 +216,11 @@ fn store_room(room: &EnvCell) -> RoomForm {
 }
 
 /// Fills the map of a world over which nothing is loaded yet.
-pub(super) fn restore(form: MapForm, world: &mut World, elements: &mut usize) -> Result<(), SnapshotError> {
+pub(super) fn restore(
+    form: MapForm,
+    world: &mut World,
+    elements: &mut usize,
+) -> Result<(), SnapshotError> {
     let MapForm {
         absent_blocks,
         blocks,
@@ -307,7 +309,10 @@ fn restore_blocks(
         let block = restore_block(*form, world, elements)?;
         let entry = &mut world.land.block_table[usize::from(block.id.block())];
         if *entry != 0 {
-            return Err(inconsistent(format!("block {:?} is loaded twice", block.id)));
+            return Err(inconsistent(format!(
+                "block {:?} is loaded twice",
+                block.id
+            )));
         }
         *entry = slot + FIRST_SLOT;
         world.land.blocks.push(Some(Box::new(block)));
@@ -315,7 +320,11 @@ fn restore_blocks(
     Ok(())
 }
 
-fn restore_block(form: BlockForm, world: &mut World, elements: &mut usize) -> Result<LandBlock, SnapshotError> {
+fn restore_block(
+    form: BlockForm,
+    world: &mut World,
+    elements: &mut usize,
+) -> Result<LandBlock, SnapshotError> {
     let BlockForm {
         id,
         detail,
@@ -367,7 +376,11 @@ fn restore_rooms(
     Ok(())
 }
 
-fn restore_room(form: RoomForm, world: &mut World, elements: &mut usize) -> Result<EnvCell, SnapshotError> {
+fn restore_room(
+    form: RoomForm,
+    world: &mut World,
+    elements: &mut usize,
+) -> Result<EnvCell, SnapshotError> {
     let RoomForm {
         base,
         statics_made,

@@ -50,7 +50,9 @@ const MAX_ELEMENTS: usize = 4 << 20;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum SnapshotError {
     /// It names a record of the dat files that is not there or cannot be read.
-    #[error("the dat files have no {kind} 0x{id:08X}, which the snapshot names: it was taken over other files")]
+    #[error(
+        "the dat files have no {kind} 0x{id:08X}, which the snapshot names: it was taken over other files"
+    )]
     MissingRecord {
         /// What kind of record.
         kind: &'static str,

@@ -310,7 +310,10 @@ fn check_entities(entities: &Entities) -> Result<(), SnapshotError> {
         return Err(inconsistent("the lists of entities differ in length"));
     }
     for (index, slot) in entities.slots.iter().enumerate() {
-        if slot.as_ref().is_some_and(|entity| entity.id.0 as usize != index) {
+        if slot
+            .as_ref()
+            .is_some_and(|entity| entity.id.0 as usize != index)
+        {
             return Err(inconsistent(format!(
                 "entity {index} has the handle of another one"
             )));

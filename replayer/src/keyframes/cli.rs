@@ -19,7 +19,7 @@ use ac_golden_traces::{
 use clap::ValueEnum;
 use miette::{IntoDiagnostic, WrapErr};
 
-use super::{KeyframeError, Seeker, Sought, encode, frame_of, name_of};
+use super::{KeyframeError, Seeker, Sought, frame_of, name_of};
 use crate::client::ClientSimulator;
 
 /// The state of the trace differs from that of the client.
@@ -104,11 +104,11 @@ pub(crate) fn worlds(named: Option<&Path>) -> PathBuf {
     named.map_or_else(|| corpus::bundled().join("worlds"), Into::into)
 }
 
-/// Goes to a frame, writes its state to `out`, and compares it with what the trace holds. Exit code 1 when that differs.
+/// Goes to a frame, prints its state, and compares it with what the trace holds. Exit code 1 when that differs.
 ///
 /// # Errors
 /// When the frame cannot be reached.
-pub fn seek(args: &SeekArgs, out: &mut impl Write) -> miette::Result<ExitCode> {
+pub fn seek(args: &SeekArgs) -> miette::Result<ExitCode> {
     let worlds = worlds(args.worlds.as_deref());
     let simulator = ClientSimulator::new(&worlds);
     let mut seeker = open(&args.trace, &worlds, args.profile.as_deref(), &simulator)?;
@@ -119,7 +119,13 @@ pub fn seek(args: &SeekArgs, out: &mut impl Write) -> miette::Result<ExitCode> {
     let sought = seeker
         .seek(args.frame, &mut states)
         .into_diagnostic()
-        .wrap_err_with(|| format!("cannot go to frame {} of {}", args.frame, args.trace.display()))?;
+        .wrap_err_with(|| {
+            format!(
+                "cannot go to frame {} of {}",
+                args.frame,
+                args.trace.display()
+            )
+        })?;
     let same = compare(&mut seeker, args.frame, &states).into_diagnostic()?;
     let hash = match sought.simulation.snapshot().into_diagnostic()? {
         Some(snapshot) => blake3::hash(&snapshot).to_string(),
@@ -129,7 +135,7 @@ pub fn seek(args: &SeekArgs, out: &mut impl Write) -> miette::Result<ExitCode> {
         Format::Human => human(args.frame, &sought, &states, &hash, same),
         Format::Json => json(args.frame, &sought, &states, &hash, same).into_diagnostic()?,
     };
-    out.write_all(text.as_bytes()).into_diagnostic()?;
+    emit(&text)?;
     Ok(if same == Some(false) {
         ExitCode::from(DIFFERS)
     } else {
@@ -190,7 +196,9 @@ fn human(
     );
     text += match same {
         Some(true) => "the trace holds the same bits\n",
-        Some(false) => "the trace holds OTHER states: it was written by a program that behaves otherwise\n",
+        Some(false) => {
+            "the trace holds OTHER states: it was written by a program that behaves otherwise\n"
+        }
         None => "",
     };
     text
@@ -222,35 +230,40 @@ fn json(
 ///
 /// # Errors
 /// When trace or keyframe cannot be read.
-pub fn list(args: &KeyframesArgs, out: &mut impl Write) -> miette::Result<()> {
+pub fn list(args: &KeyframesArgs) -> miette::Result<()> {
     let mut trace = SeekableTrace::open(&args.trace).into_diagnostic()?;
     if let Some(frame) = args.frame {
         let (_, snapshot) = read(&mut trace, frame).into_diagnostic()?;
         let state = crate::client::snapshot_to_json(&snapshot).into_diagnostic()?;
-        return writeln!(out, "{state:#}").into_diagnostic();
+        return emit(&format!("{state:#}\n"));
     }
     let mut frames: Vec<i32> = trace.attachments().filter_map(frame_of).collect();
     frames.sort_unstable();
     if frames.is_empty() {
-        let hint = "has no keyframes; `ac-replay run --keyframes N` writes some";
-        return writeln!(out, "{} {hint}", args.trace.display()).into_diagnostic();
+        return emit(&format!(
+            "{} has no keyframes; `ac-replay run --keyframes N` writes some\n",
+            args.trace.display()
+        ));
     }
-    writeln!(out, "   frame      state     stored  hash of all state").into_diagnostic()?;
+    let mut text = String::from("   frame      state  hash of all state\n");
     for frame in frames {
-        let (header, stored) = match read(&mut trace, frame) {
-            Ok((header, snapshot)) => {
-                let stored = encode(&header, &snapshot).into_diagnostic()?.len();
-                (header, stored)
-            }
-            Err(error) => {
-                writeln!(out, "{frame:>8}  {error}").into_diagnostic()?;
-                continue;
-            }
+        text += &match read(&mut trace, frame) {
+            Ok((header, _)) => format!("{frame:>8} {:>10}  {}\n", header.length, header.hash),
+            Err(error) => format!("{frame:>8}  {error}\n"),
         };
-        let (length, hash) = (header.length, header.hash);
-        writeln!(out, "{frame:>8} {length:>10} {stored:>10}  {hash}").into_diagnostic()?;
     }
-    Ok(())
+    emit(&text)
+}
+
+/// Writes to standard output. A reader that has seen enough (`| head`) is no error.
+fn emit(text: &str) -> miette::Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(error).into_diagnostic()
+        }
+        _ => Ok(()),
+    }
 }
 
 fn read(

@@ -93,7 +93,10 @@ impl Identity {
         let files = found.world.keys().chain(self.world.keys());
         for file in files {
             let hash = |world: &BTreeMap<String, String>| {
-                world.get(file).cloned().unwrap_or_else(|| "no such file".into())
+                world
+                    .get(file)
+                    .cloned()
+                    .unwrap_or_else(|| "no such file".into())
             };
             let (found, wanted) = (hash(&found.world), hash(&self.world));
             if found != wanted {

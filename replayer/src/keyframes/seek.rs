@@ -108,7 +108,9 @@ impl<'a> Seeker<'a> {
         if !(-1..=last).contains(&frame) {
             return Err(KeyframeError::NoFrame { frame, last });
         }
-        let before = self.keyframes.partition_point(|keyframe| *keyframe <= frame);
+        let before = self
+            .keyframes
+            .partition_point(|keyframe| *keyframe <= frame);
         let keyframe = before.checked_sub(1).map(|at| self.keyframes[at]);
         let mut simulation = match keyframe {
             Some(keyframe) => {

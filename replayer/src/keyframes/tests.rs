@@ -29,14 +29,22 @@ fn identity() -> Identity {
 #[test]
 fn names_are_canonical() {
     assert_eq!(frame_of(&name_of(119)), Some(119));
-    for other in ["keyframe/", "keyframe/007", "keyframe/+7", "scene.json", "keyframe/x"] {
+    for other in [
+        "keyframe/",
+        "keyframe/007",
+        "keyframe/+7",
+        "scene.json",
+        "keyframe/x",
+    ] {
         assert_eq!(frame_of(other), None, "{other}");
     }
 }
 
 #[test]
 fn what_is_written_is_read() {
-    let snapshot: Vec<u8> = (0..10_000_u32).flat_map(|i| (i % 97).to_le_bytes()).collect();
+    let snapshot: Vec<u8> = (0..10_000_u32)
+        .flat_map(|i| (i % 97).to_le_bytes())
+        .collect();
     let header = KeyframeHeader::new(29, &identity(), &snapshot);
     let bytes = encode(&header, &snapshot).unwrap();
     assert!(bytes.len() < snapshot.len() / 4, "it is compressed");
@@ -120,7 +128,9 @@ fn malformed_states_are_errors() {
     // Every byte of the names and lengths at the front, then some of the numbers.
     let mut random = 1_u64;
     for round in 0..1500 {
-        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         let at = (random >> 33) as usize % whole.len();
         let mut damaged = whole.clone();
         damaged[at] ^= 1 << (round % 8);
@@ -185,14 +195,19 @@ fn seeking_does_not_read_the_whole_file() {
         };
         let state = FrameState {
             guid: 1,
-            has: ac_client::frame::state::Fields::ORIGIN | ac_client::frame::state::Fields::VELOCITY,
+            has: ac_client::frame::state::Fields::ORIGIN
+                | ac_client::frame::state::Fields::VELOCITY,
             origin: [number(), number(), number()],
             velocity: [number(), number(), number()],
             ..FrameState::default()
         };
-        writer.write_states(&ChannelKind::States, frame, time, &[state]).unwrap();
+        writer
+            .write_states(&ChannelKind::States, frame, time, &[state])
+            .unwrap();
         if (frame.cast_unsigned() + 1).is_multiple_of(every.get()) {
-            writer.attach(&name_of(frame), super::MEDIA_TYPE, time, &[7; 100_000]).unwrap();
+            writer
+                .attach(&name_of(frame), super::MEDIA_TYPE, time, &[7; 100_000])
+                .unwrap();
         }
     }
     let file = writer.finish().unwrap().into_inner();
@@ -201,13 +216,21 @@ fn seeking_does_not_read_the_whole_file() {
         read: 0,
     };
     let mut trace = SeekableTrace::new(&mut source, Path::new("b.mcap")).unwrap();
-    assert_eq!(trace.attachment(&name_of(29_999)).unwrap().unwrap().len(), 100_000);
+    assert_eq!(
+        trace.attachment(&name_of(29_999)).unwrap().unwrap().len(),
+        100_000
+    );
     assert_eq!(trace.attachment(&name_of(30_000)).unwrap(), None);
     let mut seen = Vec::new();
     trace
-        .states(&ChannelKind::States, 31_234..=31_236, |frame, time, _| seen.push((frame, time)))
+        .states(&ChannelKind::States, 31_234..=31_236, |frame, time, _| {
+            seen.push((frame, time))
+        })
         .unwrap();
-    assert_eq!(seen, [(31_234, 15_617.5), (31_235, 15_618.0), (31_236, 15_618.5)]);
+    assert_eq!(
+        seen,
+        [(31_234, 15_617.5), (31_235, 15_618.0), (31_236, 15_618.5)]
+    );
     drop(trace);
     assert!(
         source.read * 3 < file.len() as u64,
