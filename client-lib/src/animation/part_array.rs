@@ -101,7 +101,11 @@ impl PartArray {
     /// The array with that sorting sphere (own space, m) instead of its setup's.
     #[must_use]
     pub fn with_sorting_sphere(mut self, sphere: Sphere) -> Self {
-        let mut setup = self.setup.as_deref().cloned().unwrap_or_else(|| Setup::empty(0));
+        let mut setup = self
+            .setup
+            .as_deref()
+            .cloned()
+            .unwrap_or_else(|| Setup::empty(0));
         setup.sorting_sphere = sphere;
         self.setup = Some(Arc::new(setup));
         self

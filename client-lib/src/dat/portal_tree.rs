@@ -159,7 +159,10 @@ mod tests {
         let left = tree.portals_only();
         assert_eq!(left.nodes.len(), 4, "the root and the portal nodes");
         assert_eq!(chain(&left), [5, 1, 2]);
-        assert_eq!(tree.openings().map(|p| p.portal).collect::<Vec<_>>(), [5, 1, 2]);
+        assert_eq!(
+            tree.openings().map(|p| p.portal).collect::<Vec<_>>(),
+            [5, 1, 2]
+        );
         // Once more changes nothing: the chain walked in post-order is the list again.
         assert_eq!(left.portals_only(), left);
     }

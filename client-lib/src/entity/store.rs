@@ -88,7 +88,10 @@ impl Entities {
     /// Whether an object exists but is taken out.
     pub(crate) fn is_out(&self, id: EntityId) -> bool {
         let index = id.0 as usize;
-        matches!((self.slots.get(index), self.gone.get(index)), (Some(None), Some(false)))
+        matches!(
+            (self.slots.get(index), self.gone.get(index)),
+            (Some(None), Some(false))
+        )
     }
 
     /// An object that is taken out is to end when it is back.
@@ -98,7 +101,10 @@ impl Entities {
 
     /// Takes off one object that is to end and is back.
     fn next_ending(&mut self) -> Option<(EntityId, Ending)> {
-        let at = self.ending.iter().position(|&(id, _)| self.get(id).is_some())?;
+        let at = self
+            .ending
+            .iter()
+            .position(|&(id, _)| self.get(id).is_some())?;
         Some(self.ending.remove(at))
     }
 

@@ -104,7 +104,11 @@ impl World {
 
 impl Entity {
     /// Gives the object its parts (`InitPartArrayObject`).
-    pub(super) fn init_part_array(&mut self, data_id: u32, world: &mut World) -> Result<(), PartArrayError> {
+    pub(super) fn init_part_array(
+        &mut self,
+        data_id: u32,
+        world: &mut World,
+    ) -> Result<(), PartArrayError> {
         let (resources, profile) = (&mut world.resources, &world.profile);
         let shown_only = data_id >> 24 == 0 && data_id != 0;
         let parts = match data_id >> 24 {

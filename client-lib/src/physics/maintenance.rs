@@ -47,7 +47,8 @@ impl LostCells {
         };
         let found: Vec<CellId> = self.cells.range(cells).map(|(&id, _)| id).collect();
         for id in found {
-            self.arrived.extend(self.cells.remove(&id).into_iter().flatten());
+            self.arrived
+                .extend(self.cells.remove(&id).into_iter().flatten());
         }
     }
 
@@ -58,7 +59,10 @@ impl LostCells {
 
     /// Whether an object is lost.
     pub fn contains(&self, entity: EntityId) -> bool {
-        self.cells.values().chain([&self.arrived]).any(|list| list.contains(&entity))
+        self.cells
+            .values()
+            .chain([&self.arrived])
+            .any(|list| list.contains(&entity))
     }
 }
 

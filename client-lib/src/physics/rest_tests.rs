@@ -58,7 +58,11 @@ proptest! {
 }
 
 /// The object and, before or after it in the table, a local player from whom far objects are culled.
-fn world_with_player(profile: Profile, is_static: bool, player_first: bool) -> (World, EntityId, EntityId) {
+fn world_with_player(
+    profile: Profile,
+    is_static: bool,
+    player_first: bool,
+) -> (World, EntityId, EntityId) {
     let profile = Profile {
         distance_culling: true,
         ..profile
@@ -70,14 +74,21 @@ fn world_with_player(profile: Profile, is_static: bool, player_first: bool) -> (
         entity.body.cell = Some(CellHandle(0));
         entity.body.position = place(0.0);
         entity.kin.transient = TransientState::CONTACT | TransientState::ON_WALKABLE;
-        entity.body.state.set(PhysicsState::STATIC, is_static && guid == 1);
+        entity
+            .body
+            .state
+            .set(PhysicsState::STATIC, is_static && guid == 1);
         world.entities.put(entity);
         world.entities.register(id, guid);
         id
     };
     let first = make(&mut world, if player_first { 2 } else { 1 });
     let second = make(&mut world, if player_first { 1 } else { 2 });
-    let (id, player) = if player_first { (second, first) } else { (first, second) };
+    let (id, player) = if player_first {
+        (second, first)
+    } else {
+        (first, second)
+    };
     world.local_player = Some(player);
     (world, id, player)
 }
@@ -127,7 +138,12 @@ fn a_far_object_rests_until_the_player_comes() {
     let mut step = |x| {
         world.entity_mut(player).unwrap().body.position = place(x);
         run_frame(&mut world, 0.05);
-        let active = world.entity(id).unwrap().kin.transient.contains(TransientState::ACTIVE);
+        let active = world
+            .entity(id)
+            .unwrap()
+            .kin
+            .transient
+            .contains(TransientState::ACTIVE);
         (world.entities.resting_since(id).is_some(), active)
     };
     assert_eq!(step(120.0), (true, false));

@@ -77,7 +77,9 @@ impl Entity {
         let had_parts = self.body.part_array.is_some();
         self.init_part_array(data_id, world)?;
         let parts = self.body.part_array.as_ref();
-        let table = parts.and_then(|p| p.setup()).map_or(0, |s| s.default_motion_table);
+        let table = parts
+            .and_then(|p| p.setup())
+            .map_or(0, |s| s.default_motion_table);
         if had_parts && table != 0 {
             self.set_motion_table(table, world);
         }

@@ -282,46 +282,16 @@ impl Entity {
         let hidden = self.body.state.contains(PhysicsState::HIDDEN);
         let mut offset = Frame::IDENTITY;
         if !hidden {
-            observe(
-                self,
-                world,
-                probe,
-                TickStage::Animation,
-                quantum.narrow,
-                StageData::Offset(&offset),
-                Side::Before,
-            );
-            self.animate(&mut offset, quantum.narrow, &world.profile);
-            observe(
-                self,
-                world,
-                probe,
-                TickStage::Animation,
-                quantum.narrow,
-                StageData::Offset(&offset),
-                Side::After,
-            );
+            let stage = (TickStage::Animation, quantum.narrow);
+            self.staged_offset(stage, &mut offset, world, probe, |e, offset, world| {
+                e.animate(offset, quantum.narrow, &world.profile);
+            });
         }
         if self.position_manager.is_some() {
-            observe(
-                self,
-                world,
-                probe,
-                TickStage::Adjust,
-                quantum.narrow,
-                StageData::Offset(&offset),
-                Side::Before,
-            );
-            self.adjust_offset(&mut offset, quantum.wide, world);
-            observe(
-                self,
-                world,
-                probe,
-                TickStage::Adjust,
-                quantum.narrow,
-                StageData::Offset(&offset),
-                Side::After,
-            );
+            let stage = (TickStage::Adjust, quantum.narrow);
+            self.staged_offset(stage, &mut offset, world, probe, |e, offset, world| {
+                e.adjust_offset(offset, quantum.wide, world);
+            });
         }
         let mut frame = self.body.position.frame.combine(&offset, &world.profile);
         if !hidden {
@@ -360,27 +330,42 @@ impl Entity {
             );
         }
         if self.has_hooks() {
-            observe(
-                self,
-                world,
-                probe,
-                TickStage::Hooks,
-                quantum.narrow,
-                StageData::None,
-                Side::Before,
-            );
-            self.process_hooks(world);
-            observe(
-                self,
-                world,
-                probe,
-                TickStage::Hooks,
-                quantum.narrow,
-                StageData::None,
-                Side::After,
-            );
+            let stage = (TickStage::Hooks, quantum.narrow);
+            self.staged(stage, StageData::None, world, probe, Self::process_hooks);
         }
         frame
+    }
+
+    /// Runs a stage of a quantum between the looks of a probe; the same passes through before and after.
+    #[inline(always)]
+    fn staged<P: Probe>(
+        &mut self,
+        (stage, quantum): (TickStage, f32),
+        data: StageData<'_>,
+        world: &mut World,
+        probe: &mut P,
+        work: impl FnOnce(&mut Self, &mut World),
+    ) {
+        observe(self, world, probe, stage, quantum, data, Side::Before);
+        work(self, world);
+        observe(self, world, probe, stage, quantum, data, Side::After);
+    }
+
+    /// As [`Entity::staged`], for stages that change the offset.
+    #[inline(always)]
+    fn staged_offset<P: Probe>(
+        &mut self,
+        (stage, quantum): (TickStage, f32),
+        offset: &mut Frame,
+        world: &mut World,
+        probe: &mut P,
+        work: impl FnOnce(&mut Self, &mut Frame, &mut World),
+    ) {
+        let data = StageData::Offset(offset);
+        observe(self, world, probe, stage, quantum, data, Side::Before);
+        work(self, offset, world);
+        let data = StageData::Offset(offset);
+        observe(self, world, probe, stage, quantum, data, Side::After);
     }
 
     /// Advances the animation; its root motion counts on walkable ground only (B5 step 2).
@@ -474,25 +459,10 @@ impl Entity {
             kind: CommitKind::Transition,
             frame: wanted,
         };
-        observe(
-            self,
-            world,
-            probe,
-            TickStage::Commit,
-            quantum,
-            data,
-            Side::Before,
-        );
-        self.take_transit(result, quantum, world);
-        observe(
-            self,
-            world,
-            probe,
-            TickStage::Commit,
-            quantum,
-            data,
-            Side::After,
-        );
+        let stage = (TickStage::Commit, quantum);
+        self.staged(stage, data, world, probe, |e, world| {
+            e.take_transit(result, quantum, world);
+        });
     }
 
     /// Moves to where a transition of `quantum` s ended (B4 step 6b; C2).
@@ -516,25 +486,10 @@ impl Entity {
             kind,
             frame: &wanted,
         };
-        observe(
-            self,
-            world,
-            probe,
-            TickStage::Commit,
-            quantum,
-            data,
-            Side::Before,
-        );
-        self.keep_place(wanted, kind, world);
-        observe(
-            self,
-            world,
-            probe,
-            TickStage::Commit,
-            quantum,
-            data,
-            Side::After,
-        );
+        let stage = (TickStage::Commit, quantum);
+        self.staged(stage, data, world, probe, |e, world| {
+            e.keep_place(wanted, kind, world);
+        });
     }
 
     /// Keeps the origin and takes the rotation of the wanted frame: every kind of commit but that of a transition (B4 steps 6 and 7).
@@ -574,25 +529,8 @@ impl Entity {
         if !runs {
             return;
         }
-        observe(
-            self,
-            world,
-            probe,
-            TickStage::Motion,
-            quantum.narrow,
-            StageData::None,
-            Side::Before,
-        );
-        self.run_managers(world);
-        observe(
-            self,
-            world,
-            probe,
-            TickStage::Motion,
-            quantum.narrow,
-            StageData::None,
-            Side::After,
-        );
+        let stage = (TickStage::Motion, quantum.narrow);
+        self.staged(stage, StageData::None, world, probe, Self::run_managers);
     }
 
     /// The managers of one quantum, in the client's order.

@@ -159,7 +159,12 @@ impl World {
     }
 
     /// Depth first through the portals, each room once.
-    fn object_behind(&self, room: CellId, guid: u32, visited: &mut Vec<CellId>) -> Option<EntityId> {
+    fn object_behind(
+        &self,
+        room: CellId,
+        guid: u32,
+        visited: &mut Vec<CellId>,
+    ) -> Option<EntityId> {
         let mut open = vec![room];
         while let Some(id) = open.pop() {
             if visited.contains(&id) {

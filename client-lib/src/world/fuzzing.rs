@@ -8,13 +8,13 @@ use std::sync::Arc;
 
 use super::{MemorySource, SpheresAt, Streaming, World};
 use crate::dat::worldgen::{Rect, Room, Side, block, shape, yaw};
+use crate::dat::{BspTag, MAX_DEPTH};
 use crate::dat::{
     Building, BuildingPortal, CellBsp, CellInner, CellNode, CellPortal, CellStruct, EnvCell,
     EnvCellFlags, Environment, KeyedList, Landblock, LandblockInfo, LandblockInfoMask, NodeId,
     PhysicsBsp, PolygonSet, PortalFlags, Setup, Stab, StoredFrame, TerrainWord, VERTICES,
     VertexArray,
 };
-use crate::dat::{BspTag, MAX_DEPTH};
 use crate::frame::pipeline::{NoHost, Pipeline};
 use crate::math::{CellId, Plane, Position, Sphere, Vec3};
 use crate::physics::body::EntityId;
@@ -262,7 +262,8 @@ fn live(recipe: &mut Recipe<'_>, mut world: World) {
             3 => world.unload_room(place(recipe).cell),
             4 => world.unload_block(CellId(BLOCK)),
             5 => {
-                let to = recipe.pick(&[CellId(BLOCK | 0x25), CellId::NONE, place(recipe).cell]);
+                let somewhere = place(recipe).cell;
+                let to = recipe.pick(&[CellId(BLOCK | 0x25), CellId::NONE, somewhere]);
                 streaming.follow(to, &mut world);
             }
             _ => push(&mut world, &ids, recipe),
@@ -325,7 +326,9 @@ fn list(world: &mut World, recipe: &mut Recipe<'_>) {
     let entries: Vec<_> = array.entries().collect();
     for (n, entry) in entries.iter().enumerate() {
         assert!(entries[..n].iter().all(|e| e.id != entry.id), "twice");
-        let named = entry.cell.is_none_or(|cell| world.cell_id(cell) == entry.id);
+        let named = entry
+            .cell
+            .is_none_or(|cell| world.cell_id(cell) == entry.id);
         assert!(named, "the entry names its cell");
     }
     let listed = |cell| entries.iter().any(|e| e.cell == Some(cell));

@@ -148,14 +148,24 @@ impl World {
             object.is_some_and(|o| o.kind != StaticKind::Building && !o.is_completely_visible())
         };
         let slots = 0..self.land.static_slots();
-        slots.map(|slot| StaticId(slot as u32)).filter(incomplete).collect()
+        slots
+            .map(|slot| StaticId(slot as u32))
+            .filter(incomplete)
+            .collect()
     }
 
     fn incomplete_entities(&self) -> Vec<EntityId> {
         let at_home = |id: &&EntityId| {
             let entity = self.entity(**id);
-            entity.is_some_and(|e| e.body.parent.is_none() && e.body.cell.is_some() && !e.is_completely_visible())
+            entity.is_some_and(|e| {
+                e.body.parent.is_none() && e.body.cell.is_some() && !e.is_completely_visible()
+            })
         };
-        self.entities.table().iter().filter(at_home).copied().collect()
+        self.entities
+            .table()
+            .iter()
+            .filter(at_home)
+            .copied()
+            .collect()
     }
 }

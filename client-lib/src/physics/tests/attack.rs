@@ -92,17 +92,18 @@ fn world_with_striker(profile: Profile) -> (World, u32) {
     let striker = world.setup(SetupBuilder::humanoid(cube, 1.8, 0.48).animation(strike));
     world.block(0x10, 0x20);
     let dats = world.surround().build().expect("the world is well formed");
-    (
-        World::with_source(profile, 100.0, Arc::new(dats)),
-        striker,
-    )
+    (World::with_source(profile, 100.0, Arc::new(dats)), striker)
 }
 
 /// C9, 07 section 9.1 type 3: the hook of an animation frame strikes when the frame is crossed, before the move of the same quantum, and each
 /// hit is told to the own weenie. A profile that does not execute the hook tells nothing, and nobody's motion differs.
 #[test]
 fn the_hook_of_an_animation_strikes() {
-    for (profile, strikes) in [(Profile::retail(), true), (Profile::ace(), false), (Profile::gdle(), false)] {
+    for (profile, strikes) in [
+        (Profile::retail(), true),
+        (Profile::ace(), false),
+        (Profile::gdle(), false),
+    ] {
         let (mut world, striker) = world_with_striker(profile);
         let a = object(&mut world, striker, 0x0040_0408, Some(at(36.0, 36.0, 0.0)));
         let b = walker(&mut world, at(36.0, 38.0, 0.0));
@@ -116,13 +117,22 @@ fn the_hook_of_an_animation_strikes() {
         for n in 1..=6 {
             frame(&mut world, 100.0 + f64::from(n) * 0.05);
             let reports = &mut world.entity_mut(a).expect("there").reports;
-            told.extend(reports.drain(..).filter(|r| matches!(r, CollisionReport::Attack(_))));
+            told.extend(
+                reports
+                    .drain(..)
+                    .filter(|r| matches!(r, CollisionReport::Attack(_))),
+            );
         }
         let hit = CollisionReport::Attack(AttackReport {
             guid: world.entity(b).expect("there").guid(),
             quadrant: 0x8 | 0x40 | 0x2,
             part: 4,
         });
-        assert_eq!(told, if strikes { vec![hit] } else { Vec::new() }, "{}", world.profile.name);
+        assert_eq!(
+            told,
+            if strikes { vec![hit] } else { Vec::new() },
+            "{}",
+            world.profile.name
+        );
     }
 }

@@ -23,8 +23,14 @@ fn of_two_that_overlap_one_waits_for_the_other() {
     for id in [a, b] {
         world.with_entity(id, |e, w| e.make_movement_manager(true, w));
     }
-    assert_eq!(world.with_entity(a, |e, w| e.set_ethereal(false, w)), Some(true));
-    assert_eq!(world.with_entity(b, |e, w| e.set_ethereal(false, w)), Some(false));
+    assert_eq!(
+        world.with_entity(a, |e, w| e.set_ethereal(false, w)),
+        Some(true)
+    );
+    assert_eq!(
+        world.with_entity(b, |e, w| e.set_ethereal(false, w)),
+        Some(false)
+    );
     for n in 1..=5 {
         frame(&mut world, 100.0 + f64::from(n) * 0.1);
         assert!(is_solid(&world, a) && !is_solid(&world, b) && tries(&world, b));
@@ -35,8 +41,13 @@ fn of_two_that_overlap_one_waits_for_the_other() {
     assert!(!tries(&world, a));
     frame(&mut world, 100.6);
     assert!(is_solid(&world, b) && !tries(&world, b));
-    assert_eq!(world.with_entity(a, |e, w| e.set_ethereal(false, w)), Some(false));
-    world.with_entity(b, |e, w| e.set_position_simple(&at(30.0, 30.0, 0.0), true, w));
+    assert_eq!(
+        world.with_entity(a, |e, w| e.set_ethereal(false, w)),
+        Some(false)
+    );
+    world.with_entity(b, |e, w| {
+        e.set_position_simple(&at(30.0, 30.0, 0.0), true, w)
+    });
     frame(&mut world, 100.7);
     assert!(is_solid(&world, a) && is_solid(&world, b));
 }
@@ -97,7 +108,11 @@ fn objects_end_in_the_middle_of_a_tick() {
     world.local_player = Some(player);
     let mut reaper = Reaper(vec![before, after, player]);
     Pipeline::default().run_frame(&mut world, 100.1, &mut reaper);
-    assert!([before, player, after].iter().all(|&id| world.entity(id).is_none()));
+    assert!(
+        [before, player, after]
+            .iter()
+            .all(|&id| world.entity(id).is_none())
+    );
     assert_eq!(world.entities.table(), [last]);
     assert_eq!(world.local_player, None);
     Pipeline::default().run_frame(&mut world, 100.2, &mut reaper);

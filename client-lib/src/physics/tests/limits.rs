@@ -20,7 +20,13 @@ fn after_a_step(velocity: Vec3) -> Vec3 {
         ..Kinetics::new(0.0)
     };
     let state = PhysicsState::empty();
-    kin.update_physics(&mut Frame::IDENTITY.clone(), 0.05, state, true, &Profile::retail());
+    kin.update_physics(
+        &mut Frame::IDENTITY.clone(),
+        0.05,
+        state,
+        true,
+        &Profile::retail(),
+    );
     kin.velocity
 }
 
@@ -35,7 +41,12 @@ fn sled_keeps(speed: f32, normal_z: f32) -> f32 {
         },
         ..Kinetics::new(0.0)
     };
-    kin.apply_friction(0.1, speed * speed, PhysicsState::SLEDDING, &Profile::retail());
+    kin.apply_friction(
+        0.1,
+        speed * speed,
+        PhysicsState::SLEDDING,
+        &Profile::retail(),
+    );
     kin.velocity.y / speed
 }
 
@@ -109,7 +120,10 @@ fn slopes_around_the_walkable_limit() {
     assert_eq!(limit.to_bits(), 0x3F2A_0751);
     let walkable = |z: f32, profile: &Profile| is_valid_walkable(Vec3::new(0.0, 0.0, z), profile);
     let retail = Profile::retail();
-    assert_eq!(around(limit).map(|z| walkable(z, &retail)), [false, true, true]);
+    assert_eq!(
+        around(limit).map(|z| walkable(z, &retail)),
+        [false, true, true]
+    );
     let exact = 0.664_174_146_186_627_6_f64;
     for z in around(limit) {
         assert_eq!(walkable(z, &Profile::gdle()), f64::from(z) >= exact, "{z}");
@@ -168,7 +182,10 @@ fn bounces_by_elasticity_and_length_of_the_normal() {
     let e = 0.1_f32;
     let back = bounce(e, into, Vec3::X);
     assert_eq!(back, Vec3::new(-8.0 + 8.0 * (e + 1.0), 3.0, 0.0));
-    assert_eq!(bounce(e, into, Vec3::X * 2.0).x, -8.0 + 2.0 * (16.0 * (e + 1.0)));
+    assert_eq!(
+        bounce(e, into, Vec3::X * 2.0).x,
+        -8.0 + 2.0 * (16.0 * (e + 1.0))
+    );
     assert_eq!(bounce(e, into, Vec3::ZERO), into, "no normal, no bounce");
     assert_eq!(bounce(e, into, Vec3::NEG_X), into, "moving away");
 }

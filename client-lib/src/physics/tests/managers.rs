@@ -213,6 +213,10 @@ fn the_interval_counts_on_the_clock_of_the_profile() {
         frame(&mut world, 100.95);
         let manager = world.entity(a).and_then(|e| e.target_manager.as_ref());
         let last = manager.expect("there").last_update;
-        assert!((last - expected).abs() < 1e-6, "{}: {last}", world.profile.name);
+        assert!(
+            (last - expected).abs() < 1e-6,
+            "{}: {last}",
+            world.profile.name
+        );
     }
 }

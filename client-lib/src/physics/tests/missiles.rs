@@ -50,9 +50,15 @@ fn a_missile_starts_inside_its_owner() {
     // With a target other than the owner, the owner is not in the way.
     let prey_guid = guid(&world, prey);
     let id = shot(&mut world, inside, prey_guid).expect("room");
-    assert_eq!(world.entity(id).expect("there").body.position.frame.origin, inside.frame.origin);
+    assert_eq!(
+        world.entity(id).expect("there").body.position.frame.origin,
+        inside.frame.origin
+    );
     let (way, flies) = fly(&mut world, id);
-    assert!((4.5..5.6).contains(&way) && !flies, "it hits its target: {way}");
+    assert!(
+        (4.5..5.6).contains(&way) && !flies,
+        "it hits its target: {way}"
+    );
     // Without a target it hits creatures, its owner first: there is no room for it.
     assert_eq!(shot(&mut world, inside, 0), None);
     // An owner who is his own missile's target is in its way, too.

@@ -38,7 +38,11 @@ fn dats() -> Arc<DatSet> {
         let cube = world.solid(&block(Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, 1.0, 2.0)));
         world.setup(SetupBuilder::humanoid(cube, 1.8, 0.48));
         let solid = world.setup(SetupBuilder::of_shape(cube));
-        world.setup(SetupBuilder::of_shape(cube).sphere(Vec3::ZERO, 0.1).size(0.2, 0.1));
+        world.setup(
+            SetupBuilder::of_shape(cube)
+                .sphere(Vec3::ZERO, 0.1)
+                .size(0.2, 0.1),
+        );
         let door = Rect {
             u: [-1.0, 1.0],
             v: [0.0, 2.5],

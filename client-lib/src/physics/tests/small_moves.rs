@@ -35,7 +35,11 @@ fn crept(profile: Profile, step: f32, frames: u32) -> f32 {
         frame(&mut world, 100.04 + f64::from(n) * 0.04);
     }
     let after = world.entity(id).expect("there").body.position.frame;
-    if before.bits() == after.bits() { 0.0 } else { after.origin.y - before.origin.y }
+    if before.bits() == after.bits() {
+        0.0
+    } else {
+        after.origin.y - before.origin.y
+    }
 }
 
 /// H3, 12: less than ε per step never adds up, unless a profile keeps it (O-05); more does.
@@ -63,8 +67,14 @@ fn displacements_around_the_tolerance() {
     };
     let limit = 0.0002_f32;
     let around = [limit.next_down(), limit, limit.next_up()];
-    assert_eq!(around.map(|x| moved(x, Unmoved::Strict)), [false, true, true]);
-    assert_eq!(around.map(|x| moved(-x, Unmoved::Inclusive)), [false, false, true]);
+    assert_eq!(
+        around.map(|x| moved(x, Unmoved::Strict)),
+        [false, true, true]
+    );
+    assert_eq!(
+        around.map(|x| moved(-x, Unmoved::Inclusive)),
+        [false, false, true]
+    );
     let mut turned = Frame::IDENTITY;
     turned.set_heading(90.0, &Profile::retail());
     assert!(turned.is_vector_equal(&Frame::IDENTITY, &Profile::retail()));
@@ -86,7 +96,11 @@ fn turning_on_the_spot_is_no_transition() {
     let e = world.entity(id).expect("there");
     assert_eq!(e.body.position.frame.origin, before.origin);
     assert_ne!(e.body.position.frame.rotation(), before.rotation());
-    assert!(e.steps.iter().all(|s| s.outcome == crate::frame::state::Outcome::None));
+    assert!(
+        e.steps
+            .iter()
+            .all(|s| s.outcome == crate::frame::state::Outcome::None)
+    );
 }
 
 /// H4, 7: at the top of a throw what is left of the speed is lost, and the fall begins one step late.
@@ -95,7 +109,14 @@ fn the_top_of_a_throw_takes_the_rest_of_the_speed() {
     let mut world = world();
     let id = walker(&mut world, at(36.0, 36.0, 5.0));
     world.with_entity(id, |e, w| e.set_velocity(Vec3::new(0.1, 0.0, 0.2), w));
-    let height = world.entity(id).expect("there").body.position.frame.origin.z;
+    let height = world
+        .entity(id)
+        .expect("there")
+        .body
+        .position
+        .frame
+        .origin
+        .z;
     frame(&mut world, 100.05);
     let e = world.entity(id).expect("there");
     let quantum = e.steps[0].dt;
@@ -117,7 +138,10 @@ fn showing_sets_the_report_bits() {
         });
         let state = world.entity(id).expect("there").body.state;
         assert!(state.contains(PhysicsState::REPORT_COLLISIONS), "{word:#x}");
-        assert!(!state.contains(PhysicsState::IGNORE_COLLISIONS) && !state.contains(PhysicsState::HIDDEN));
+        assert!(
+            !state.contains(PhysicsState::IGNORE_COLLISIONS)
+                && !state.contains(PhysicsState::HIDDEN)
+        );
     }
 }
 
@@ -129,7 +153,11 @@ fn exempt_objects_are_passed_without_a_note() {
     let b = walker(&mut world, at(36.0, 38.0, 0.0));
     for id in [a, b] {
         let body = &mut world.entity_mut(id).expect("there").body;
-        (body.weenie.present, body.weenie.player, body.weenie.creature) = (true, true, true);
+        (
+            body.weenie.present,
+            body.weenie.player,
+            body.weenie.creature,
+        ) = (true, true, true);
     }
     let target = bits(&world, b);
     for n in 1..=12 {

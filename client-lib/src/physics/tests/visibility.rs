@@ -51,14 +51,21 @@ fn an_object_waits_for_its_cell_and_comes_back() {
     assert!(waits(&world, id), "its cell is not there");
     streaming.follow(HOME, &mut world);
     let body = &world.entity(id).expect("there").body;
-    assert_eq!((body.position, body.cell.is_some()), (before.position, true));
-    let cells = |body: &crate::physics::body::Body| body.shadows.iter().map(|s| s.id).collect::<Vec<_>>();
+    assert_eq!(
+        (body.position, body.cell.is_some()),
+        (before.position, true)
+    );
+    let cells =
+        |body: &crate::physics::body::Body| body.shadows.iter().map(|s| s.id).collect::<Vec<_>>();
     assert_eq!(cells(body), cells(&before));
     assert!(!world.lost.contains(id));
     check_membership(&world, id);
     // It stands where it stood, and time goes on from its return.
     frame(&mut world, 110.1);
-    assert_eq!(world.entity(id).expect("there").body.position, before.position);
+    assert_eq!(
+        world.entity(id).expect("there").body.position,
+        before.position
+    );
     frame(&mut world, 200.0);
     assert!(world.entity(id).is_some(), "no longer due for deletion");
 }
@@ -194,10 +201,18 @@ fn on_demand_only_what_has_no_cell_is_lost() {
 fn rooms_come_and_go_with_what_sees_them() {
     let room = in_cell(0x1020_0100, 96.0, 96.0, -50.0);
     let (mut world, mut streaming) = streamed();
-    assert_eq!(streaming.visible_rooms().count(), 0, "no building shows a room");
+    assert_eq!(
+        streaming.visible_rooms().count(),
+        0,
+        "no building shows a room"
+    );
     streaming.follow(room.cell, &mut world);
     let rooms: Vec<u32> = streaming.visible_rooms().map(|c| c.0).collect();
-    assert_eq!(rooms, [0x1020_0100, 0x1020_0101], "the room and what it sees");
+    assert_eq!(
+        rooms,
+        [0x1020_0100, 0x1020_0101],
+        "the room and what it sees"
+    );
     let id = walker(&mut world, room);
     frame(&mut world, 100.05);
     assert!(world.entity(id).expect("there").body.cell.is_some());
@@ -205,7 +220,10 @@ fn rooms_come_and_go_with_what_sees_them() {
     assert!(waits(&world, id));
     assert!(world.land.loaded(room.cell).is_none());
     streaming.follow(room.cell, &mut world);
-    assert_eq!(world.entity(id).expect("there").body.position.cell, room.cell);
+    assert_eq!(
+        world.entity(id).expect("there").body.position.cell,
+        room.cell
+    );
     check_membership(&world, id);
     // A room that does not exist, and no place at all.
     streaming.follow(CellId(0x1020_0180), &mut world);

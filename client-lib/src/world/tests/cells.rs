@@ -267,7 +267,10 @@ fn parts_that_face_the_viewer_reach_as_far_as_their_sphere() {
         let mut world = World::with_source(profile, 0.0, Arc::new(dats));
         let cell = loaded(&mut world, 0x1020_0013);
         let land = world.land.land_cell(cell).expect("a cell");
-        let body = world.land.static_body(land.block.statics[0]).expect("a static object");
+        let body = world
+            .land
+            .static_body(land.block.statics[0])
+            .expect("a static object");
         body.shadows.iter().map(|s| s.id.low()).collect::<Vec<_>>()
     };
     let retail = Profile::retail;
@@ -275,7 +278,11 @@ fn parts_that_face_the_viewer_reach_as_far_as_their_sphere() {
     assert_eq!(shadows(Some(1), retail()), [0x13], "drawn as it is");
     assert_eq!(shadows(Some(2), retail()), [0x13, 0x0B]);
     assert_eq!(shadows(Some(2), Profile::gdle()), [0x13, 0x0B]);
-    assert_eq!(shadows(Some(2), Profile::ace()), [0x13], "C-08: without this rule");
+    assert_eq!(
+        shadows(Some(2), Profile::ace()),
+        [0x13],
+        "C-08: without this rule"
+    );
 }
 
 #[test]

@@ -68,7 +68,10 @@ fn the_house_is_there_with_its_rooms_while_it_is_near() {
     assert_eq!(world.land.loaded_rooms(HOUSE).count(), 0);
     assert!(plan.leave.iter().all(|b| b.block_x() == 0xA8));
     // The same place again: nothing to do.
-    assert_eq!(streaming.follow(CellId(0xABB4_0002), &mut world), Default::default());
+    assert_eq!(
+        streaming.follow(CellId(0xABB4_0002), &mut world),
+        Default::default()
+    );
     streaming.follow(CellId::NONE, &mut world);
     assert_eq!(loaded_state(&world), Loaded::default());
 }
@@ -92,7 +95,11 @@ fn lookups_of_a_window_load_nothing() {
 }
 
 fn place() -> impl Strategy<Value = CellId> {
-    (0xA7_u32..0xAC, 0xB2_u32..0xB7, prop_oneof![Just(1_u32), Just(0x100), Just(0x102)])
+    (
+        0xA7_u32..0xAC,
+        0xB2_u32..0xB7,
+        prop_oneof![Just(1_u32), Just(0x100), Just(0x102)],
+    )
         .prop_map(|(x, y, low)| CellId(x << 24 | y << 16 | low))
 }
 
