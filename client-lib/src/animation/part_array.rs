@@ -98,6 +98,15 @@ impl PartArray {
         Ok(array)
     }
 
+    /// The array with that sorting sphere (own space, m) instead of its setup's.
+    #[must_use]
+    pub fn with_sorting_sphere(mut self, sphere: Sphere) -> Self {
+        let mut setup = self.setup.as_deref().cloned().unwrap_or_else(|| Setup::empty(0));
+        setup.sorting_sphere = sphere;
+        self.setup = Some(Arc::new(setup));
+        self
+    }
+
     /// Replaces the setup (`SetSetupID`). `Ok(false)`: it was the present one and nothing changed. The caller applies the setup's defaults
     /// to the object afterwards: scripts, motion table and state bits (`InitDefaults`, `spec/06`, G1).
     ///

@@ -180,7 +180,7 @@ impl GameEntities {
         for id in world.due_for_destruction() {
             if world.local_player != Some(id) {
                 self.table.retain(|_, e| e.id != id);
-                destroy(id, world);
+                world.delete_entity(id);
             }
         }
     }
@@ -212,7 +212,7 @@ impl GameEntities {
             Err(Dropped::Unknown) => self.create(o, world),
             Err(Dropped::LaterIncarnation) => {
                 if let Some(old) = self.table.remove(&o.guid) {
-                    destroy(old.id, world);
+                    world.delete_entity(old.id);
                 }
                 self.create(o, world)
             }
@@ -353,7 +353,7 @@ impl GameEntities {
             return Err(Dropped::LocalPlayer);
         }
         if let Some(entity) = self.table.remove(&d.guid) {
-            destroy(entity.id, world);
+            world.delete_entity(entity.id);
         }
         Ok(())
     }
@@ -547,7 +547,7 @@ impl GameEntities {
         let carried = |e: &Entity| e.body.cell.is_none() && e.body.parent.is_none();
         if world.entity(id).is_some_and(carried) && !self.is_player(guid) {
             self.table.remove(&guid);
-            destroy(id, world);
+            world.delete_entity(id);
         }
         Ok(())
     }
@@ -567,16 +567,7 @@ fn event(id: EntityId, stamp: Stamp, value: u16, world: &mut World) -> bool {
         .is_some_and(|e| e.timestamps.newer_event(stamp, value))
 }
 
-/// Ends an object: its children are detached first.
-fn destroy(id: EntityId, world: &mut World) {
-    world.with_entity(id, |e, world| {
-        e.unset_parent(world);
-        e.unparent_children(world);
-    });
-    world.destroy_entity(id);
-    world.entities.remove(id);
-}
-
+/// Gives an object the parts of its appearance; what collides may change with them.
 fn change_parts(entity: &mut Entity, appearance: &ObjDesc, world: &mut World) {
     let Some(parts) = entity.body.part_array.as_mut() else {
         return;

@@ -59,8 +59,9 @@ impl Quantum {
 impl World {
     /// Advances one entity to the present frame time (`update_object`, B3).
     pub fn update_entity<P: Probe>(&mut self, id: EntityId, probe: &mut P) {
-        let culls = self.profile.distance_culling && self.local_player.is_some();
-        if !culls && let Some(clock) = self.entities.resting_since(id) {
+        if let Some(clock) = self.entities.resting_since(id)
+            && self.goes_on_resting(id, clock)
+        {
             let clock = self.pass_time(clock);
             self.entities.rest(id, clock);
             return;
@@ -71,9 +72,54 @@ impl World {
         entity.update_object(self, probe);
         let (rests, clock) = (entity.rests(), entity.kin.update_time);
         self.entities.put(entity);
-        if rests && !culls {
+        if rests {
             self.entities.rest(id, clock);
         }
+        self.end_what_waits();
+    }
+
+    /// Whether nothing wakes a resting object up. Without culling nothing does; with it, only an object out of the player's reach, or a
+    /// static one, goes on resting, and its distance is kept up to date (B3 step 2).
+    #[inline]
+    fn goes_on_resting(&mut self, id: EntityId, clock: f64) -> bool {
+        let Some(player) = self.culling_player() else {
+            return true;
+        };
+        let dropped = self.profile.tiny_gap_dropped && self.clock.now - clock < f64::from(EPSILON);
+        if dropped {
+            // The update ends before it comes to culling.
+            return true;
+        }
+        let Some(own) = self.entities.get(id) else {
+            return false;
+        };
+        let vector = self.vector_from_player(player, id, &own.body.position);
+        let distance = vector.length();
+        let is_static = own.body.state.contains(PhysicsState::STATIC);
+        let rests = is_static || self.is_culled(distance);
+        if rests {
+            self.entities.see_from_player(id, vector, distance);
+        }
+        rests
+    }
+
+    /// The player from whom objects are culled, if they are at all.
+    #[inline]
+    fn culling_player(&self) -> Option<EntityId> {
+        self.local_player.filter(|_| self.profile.distance_culling)
+    }
+
+    fn is_culled(&self, distance: f32) -> bool {
+        distance > CULL_DISTANCE && self.culling_enabled
+    }
+
+    /// Vector, m, from the player to an object at a place; zero for the player itself and without one.
+    fn vector_from_player(&self, player: EntityId, id: EntityId, place: &Position) -> Vec3 {
+        if player == id {
+            return Vec3::ZERO;
+        }
+        self.entity(player)
+            .map_or(Vec3::ZERO, |p| p.body.position.offset_to(place))
     }
 
     /// What the update of an object does to its clock, s, while no quantum does anything (B3 steps 1 and 3 to 7).
@@ -166,20 +212,12 @@ impl Entity {
 
     /// Objects far from the local player rest, near ones wake up (B3 step 2; O-52).
     fn cull_by_distance(&mut self, world: &World) {
-        let player = match world.local_player {
-            Some(player) if world.profile.distance_culling => player,
-            _ => return,
+        let Some(player) = world.culling_player() else {
+            return;
         };
-        let own = &self.body.position;
-        self.player_vector = if player == self.id {
-            Vec3::ZERO
-        } else {
-            world
-                .entity(player)
-                .map_or(Vec3::ZERO, |p| p.body.position.offset_to(own))
-        };
+        self.player_vector = world.vector_from_player(player, self.id, &self.body.position);
         self.player_distance = self.player_vector.length();
-        if self.player_distance > CULL_DISTANCE && world.culling_enabled {
+        if world.is_culled(self.player_distance) {
             self.kin.transient.remove(TransientState::ACTIVE);
         } else {
             self.set_active(true, world);

@@ -171,6 +171,7 @@ impl World {
             stab_list: Vec::new(),
             info,
         });
+        self.lost.arrive(id);
         self.init_buildings(id);
         Some(Task::Block(BlockTask {
             block: id,
@@ -367,7 +368,9 @@ impl World {
             None => {
                 let record = self.resources.found(self.land.source.env_cell(id));
                 let made = record.and_then(|record| self.make_env_cell(id, record));
-                self.land.insert_env_cell(id, made)?
+                let cell = self.land.insert_env_cell(id, made)?;
+                self.lost.arrive(id);
+                cell
             }
         };
         let connected = self.profile.env_cell_statics == EnvCellStatics::ConnectedSet;

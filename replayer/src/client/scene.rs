@@ -54,6 +54,9 @@ struct ScriptInput<'a> {
 }
 
 impl Host for ScriptInput<'_> {
+    /// Nothing ends in a scene but by its script: the oracles keep no queue of what is out of sight (`spec/oracles.md`, 2.3).
+    fn out_of_sight(&mut self, _id: EntityId, _world: &mut World) {}
+
     fn input(&mut self, world: &mut World) {
         let scene = self.scene;
         while let Some(step) = scene.script.get(*self.next_step) {
