@@ -3,6 +3,8 @@
 //! - [`run`]: scenes, frame by frame; [`compare`] is its core.
 //! - [`report_html`]: results and plots of a run as one HTML file.
 //! - [`status`]: the page that says what matches how well.
+//! - [`gate`]: what a run means for a change, in shards, for CI systems.
+//! - [`hash`]: whether two runs computed the same bits.
 //! - [`vectors`]: calls of single primitives.
 //!
 //! The binary `ac-conform` is a thin shell around [`cli`].
@@ -10,6 +12,8 @@
 
 pub mod cli;
 pub mod compare;
+pub mod gate;
+pub mod hash;
 pub mod report_html;
 pub mod run;
 pub mod status;

@@ -163,7 +163,12 @@ impl Landscape {
         }
     }
 
-    fn visible_land_cell(&self, id: CellId, missing: &mut Missing) -> Option<CellHandle> {
+    #[inline]
+    pub(super) fn visible_land_cell(
+        &self,
+        id: CellId,
+        missing: &mut Missing,
+    ) -> Option<CellHandle> {
         let index = id.low().wrapping_sub(1);
         if index >= CELLS as u32 {
             return None;

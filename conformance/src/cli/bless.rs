@@ -48,6 +48,7 @@ pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
         modes: Mode::ALL.into(),
         oracle: None,
         profile: None,
+        series: false,
     };
     let bar = progress(cases.len() as u64);
     let outcome = run::run(simulator, &cases, &options, || bar.inc(1));

@@ -4,7 +4,10 @@
 //! where, and what to do).
 
 mod bless;
+mod gate;
+mod hash;
 mod import;
+mod merge;
 mod run;
 mod sensitivity;
 mod status;
@@ -39,10 +42,14 @@ enum Command {
     Run(run::Args),
     /// Take the divergences of the bundled traces into the baseline, after showing what changes in it.
     Bless(bless::Args),
+    /// Print one state hash per scene, or check them against a file: were the same bits computed?
+    Hash(hash::Args),
     /// Make traces of scenes and the files that oracles wrote for them.
     Import(import::Args),
     /// Find the numbered differences between reconstructions that each scene is sensitive to, by setting one at a time.
     Sensitivity(sensitivity::Args),
+    /// Put the results of all shards of a run together and judge them as one.
+    Merge(merge::Args),
     /// Measure everything that is bundled and write the status page.
     Status(status::Args),
     /// Run vector files: calls of single primitives, compared bit for bit.
@@ -75,8 +82,10 @@ pub fn main() -> ExitCode {
     let outcome = match cli.command {
         Command::Run(args) => run::run(&args, &simulator(args.worlds.as_deref())),
         Command::Bless(args) => bless::run(&args, &simulator(None)),
+        Command::Hash(args) => hash::run(&args, &simulator(args.worlds.as_deref())),
         Command::Import(args) => import::run(&args),
         Command::Sensitivity(args) => sensitivity::run(&args, &simulator(args.worlds.as_deref())),
+        Command::Merge(args) => merge::run(&args),
         Command::Status(args) => status::run(&args, &simulator(None)),
         Command::Vectors(args) => vectors::run(&args),
     };

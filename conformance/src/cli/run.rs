@@ -13,19 +13,17 @@ use ac_replayer::Simulator;
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, miette};
 
-use super::{COULD_NOT_RUN, DIFFERS, Format, emit};
+use super::{Format, gate};
 use crate::{
+    compare::policy::Policy,
+    gate::{Document, Shard},
     report_html,
-    run::{
-        self, Mode, Options, PROFILES,
-        baseline::Baseline,
-        cases,
-        report::{Totals, human, json},
-    },
+    run::{self, Mode, Options, PROFILES, baseline::Baseline, cases, report::Totals},
 };
 
 /// Arguments of `ac-conform run`.
 #[derive(clap::Args)]
+#[command(after_help = gate::EXIT_CODES)]
 pub struct Args {
     /// Traces (`*.mcap`), scenes (`*.scene.json`, with their expectations beside them or under --expect), or folders of them.
     /// Default: the bundled traces.
@@ -60,52 +58,58 @@ pub struct Args {
     /// Write a report for a browser into this folder: DIR/index.html.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
+    /// File that says what may differ and what is not run (docs/ci.md). Default: nothing may differ.
+    #[arg(long, value_name = "FILE")]
+    policy: Option<PathBuf>,
+    /// Run one part of the scenes: `i/n` deals them out, `hash:i/n` goes by their names; i counts from 1.
+    #[arg(long)]
+    shard: Option<Shard>,
+    #[command(flatten)]
+    outputs: gate::Outputs,
 }
 
-/// Runs and compares; exit code 1 when something diverges that the baseline does not know.
+/// Runs and compares; exit code 1 when something is new, changed or flaky.
 ///
 /// # Errors
 /// When nothing can be run.
 pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
     let options = options(args)?;
     let baseline = baseline(args)?;
+    let policy = match &args.policy {
+        Some(path) => Policy::open(path).into_diagnostic()?,
+        None => Policy::default(),
+    };
     let cases = find_cases(args)?;
     let bar = progress(cases.len() as u64);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.jobs)
         .build()
         .into_diagnostic()?;
-    let outcome = pool.install(|| match args.report {
-        Some(_) => run::run_with_series(simulator, &cases, &options, || bar.inc(1)),
-        None => run::run(simulator, &cases, &options, || bar.inc(1)),
+    let document = pool.install(|| {
+        Document::run(simulator, &cases, &options, &policy, args.shard, || {
+            bar.inc(1)
+        })
     });
     bar.finish_and_clear();
-    let totals = Totals::of(&outcome.results, &baseline);
-    match args.format {
-        Format::Human => emit(&human(&outcome.results, &totals, &baseline))?,
-        Format::Json => emit(&json(&outcome.results, &totals).into_diagnostic()?)?,
-    }
-    if let Some(folder) = &args.report {
-        let (results, series) = (&outcome.results, &outcome.series);
-        let file = report_html::write(folder, results, series, &totals, &baseline);
-        eprintln!("report: {}", file.into_diagnostic()?.display());
-    }
-    for error in &outcome.errors {
-        eprintln!("could not run: {error}");
-    }
-    Ok(if !outcome.errors.is_empty() {
-        ExitCode::from(COULD_NOT_RUN)
-    } else if outcome.results.is_empty() {
+    // A small shard may be empty; a run that compares nothing is a mistake.
+    let nothing = document.results.is_empty()
+        && document.errors.is_empty()
+        && document.skipped.is_empty()
+        && args.shard.is_none();
+    if nothing {
         return Err(miette!(
             help = "name other paths, another --oracle or another --mode",
             "there is nothing to compare in the {} cases found",
             cases.len()
         ));
-    } else if totals.new_divergences > 0 {
-        ExitCode::from(DIFFERS)
-    } else {
-        ExitCode::SUCCESS
-    })
+    }
+    if let Some(folder) = &args.report {
+        let totals = Totals::of(&document.results, &baseline);
+        let (results, series) = (&document.results, &document.series);
+        let file = report_html::write(folder, results, series, &totals, &baseline);
+        eprintln!("report: {}", file.into_diagnostic()?.display());
+    }
+    args.outputs.write(&document, &baseline, args.format)
 }
 
 fn options(args: &Args) -> miette::Result<Options> {
@@ -127,6 +131,7 @@ fn options(args: &Args) -> miette::Result<Options> {
         modes,
         oracle: (args.oracle != "all").then(|| args.oracle.clone()),
         profile,
+        series: args.report.is_some(),
     })
 }
 
