@@ -8,7 +8,7 @@ use std::{
 };
 
 use ac_client::profile::Profile;
-use ac_golden_traces::corpus;
+use ac_golden_traces::{GoldenError, corpus};
 use ac_replayer::Simulator;
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, miette};
@@ -27,8 +27,8 @@ use crate::{
 pub struct Args {
     /// Traces (`*.mcap`), scenes (`*.scene.json`, with their expectations beside them or under --expect), or folders of them.
     /// Default: the bundled traces.
-    paths: Vec<PathBuf>,
-    /// Folder of the worlds. Default: the bundled worlds.
+    pub(super) paths: Vec<PathBuf>,
+    /// Folder of the worlds. Default: `worlds` in a given folder, else the bundled worlds.
     #[arg(long)]
     pub(super) worlds: Option<PathBuf>,
     /// Folder of expectations for scene files: `ORACLE/AREA/NAME.expect.jsonl` (`.gz`).
@@ -136,16 +136,11 @@ fn options(args: &Args) -> miette::Result<Options> {
 }
 
 fn find_cases(args: &Args) -> miette::Result<Vec<run::Case>> {
-    let bundled = [corpus::bundled().join("traces")];
-    let paths = if args.paths.is_empty() {
-        &bundled[..]
-    } else {
-        &args.paths
-    };
-    let cases =
-        cases::find(paths, args.expect.as_deref(), args.stages.as_deref()).into_diagnostic()?;
+    let (expect, stages) = (args.expect.as_deref(), args.stages.as_deref());
+    let cases = cases::find_or_bundled(&args.paths, expect, stages).map_err(no_cases)?;
     if cases.is_empty() {
-        let paths: Vec<_> = paths
+        let paths: Vec<_> = args
+            .paths
             .iter()
             .map(|path| path.display().to_string())
             .collect();
@@ -156,6 +151,34 @@ fn find_cases(args: &Args) -> miette::Result<Vec<run::Case>> {
         ));
     }
     Ok(cases)
+}
+
+/// What to do about a path at which there is nothing.
+fn no_cases(error: GoldenError) -> miette::Report {
+    match &error {
+        GoldenError::Io { path, source } if source.kind() == std::io::ErrorKind::NotFound => {
+            let advice = advice_for(path);
+            miette!(
+                help = advice,
+                "{}: there is no such file or folder",
+                path.display()
+            )
+        }
+        _ => miette::Report::msg(error.to_string()),
+    }
+}
+
+fn advice_for(path: &Path) -> String {
+    let name = path.to_string_lossy();
+    let bundled = corpus::bundled().join("traces");
+    let near = bundled.join(format!("{}.mcap", name.trim_end_matches(".mcap")));
+    if path.is_relative() && near.is_file() {
+        return format!("the bundled scene of this name is {}", near.display());
+    }
+    format!(
+        "traces end in .mcap, scenes in .scene.json; without a path the bundled traces under {} are run",
+        bundled.display()
+    )
 }
 
 /// The named baseline, or that of the bundled traces when those are run.
