@@ -5,6 +5,7 @@
 //! - [`status`]: the page that says what matches how well.
 //! - [`gate`]: what a run means for a change, in shards, for CI systems.
 //! - [`hash`]: whether two runs computed the same bits.
+//! - [`precision`]: what each choice of fidelity costs, and what error it makes.
 //! - [`vectors`]: calls of single primitives.
 //!
 //! The binary `ac-conform` is a thin shell around [`cli`].
@@ -14,6 +15,7 @@ pub mod cli;
 pub mod compare;
 pub mod gate;
 pub mod hash;
+pub mod precision;
 pub mod report_html;
 pub mod run;
 pub mod status;

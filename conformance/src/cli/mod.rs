@@ -8,6 +8,7 @@ mod gate;
 mod hash;
 mod import;
 mod merge;
+mod precision;
 mod run;
 mod sensitivity;
 mod status;
@@ -50,6 +51,8 @@ enum Command {
     Sensitivity(sensitivity::Args),
     /// Put the results of all shards of a run together and judge them as one.
     Merge(merge::Args),
+    /// Measure what each choice of fidelity costs and what error it makes.
+    Precision(precision::Args),
     /// Measure everything that is bundled and write the status page.
     Status(status::Args),
     /// Run vector files: calls of single primitives, compared bit for bit.
@@ -86,6 +89,7 @@ pub fn main() -> ExitCode {
         Command::Import(args) => import::run(&args),
         Command::Sensitivity(args) => sensitivity::run(&args, &simulator(args.worlds.as_deref())),
         Command::Merge(args) => merge::run(&args),
+        Command::Precision(args) => precision::run(&args, &simulator(args.worlds.as_deref())),
         Command::Status(args) => status::run(&args, &simulator(None)),
         Command::Vectors(args) => vectors::run(&args),
     };
