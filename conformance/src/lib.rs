@@ -6,6 +6,7 @@
 //! - [`gate`]: what a run means for a change, in shards, for CI systems.
 //! - [`hash`]: whether two runs computed the same bits.
 //! - [`precision`]: what each choice of fidelity costs, and what error it makes.
+//! - [`stability`]: what small changes grow to, and what stiff and extreme cases do to the rules.
 //! - [`vectors`]: calls of single primitives.
 //!
 //! The binary `ac-conform` is a thin shell around [`cli`].
@@ -18,5 +19,6 @@ pub mod hash;
 pub mod precision;
 pub mod report_html;
 pub mod run;
+pub mod stability;
 pub mod status;
 pub mod vectors;

@@ -11,6 +11,7 @@ mod merge;
 mod precision;
 mod run;
 mod sensitivity;
+mod stability;
 mod status;
 mod vectors;
 
@@ -53,6 +54,8 @@ enum Command {
     Merge(merge::Args),
     /// Measure what each choice of fidelity costs and what error it makes.
     Precision(precision::Args),
+    /// Check stiff and extreme cases, rules that must always hold, and what small changes grow to.
+    Stability(stability::Args),
     /// Measure everything that is bundled and write the status page.
     Status(status::Args),
     /// Run vector files: calls of single primitives, compared bit for bit.
@@ -90,6 +93,7 @@ pub fn main() -> ExitCode {
         Command::Sensitivity(args) => sensitivity::run(&args, &simulator(args.worlds.as_deref())),
         Command::Merge(args) => merge::run(&args),
         Command::Precision(args) => precision::run(&args, &simulator(args.worlds.as_deref())),
+        Command::Stability(args) => stability::run(&args, &simulator(args.worlds.as_deref())),
         Command::Status(args) => status::run(&args, &simulator(None)),
         Command::Vectors(args) => vectors::run(&args),
     };

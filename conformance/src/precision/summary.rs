@@ -233,7 +233,7 @@ mod tests {
     fn orders() {
         let power = |p: f64| -> Vec<Row> {
             [10, 20, 40, 80]
-                .map(|n| row(n, 1.0, (1.0 / f64::from(n)).powf(p)))
+                .map(|n| row(n, 1.0, (10.0 / f64::from(n)).powf(p)))
                 .into()
         };
         assert!(matches!(order(&power(1.0)), Order::Power(p) if (p - 1.0).abs() < 1e-9));

@@ -34,7 +34,7 @@ fn labs(grid: Vec<Setting>) -> Vec<SceneLab> {
 fn the_client_converges_with_the_order_of_its_step() {
     let labs = labs(quick(PROFILE));
     let lab = |name: &str| labs.iter().find(|lab| lab.scene == name).unwrap();
-    // Free flight: the step is exact for constant acceleration. What is left is f32 rounding of a coordinate of 800 m.
+    // Free flight: the step is exact for constant acceleration. What is left is f32 rounding of coordinates of 200 m.
     let flight = lab("analytic/free-flight");
     for row in &flight.rows {
         let error = row.solution.unwrap().max;

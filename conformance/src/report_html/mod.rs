@@ -9,6 +9,7 @@ mod encode;
 mod plot;
 pub mod precision_page;
 pub mod series;
+pub mod stability_page;
 mod spec_links;
 
 use std::{
