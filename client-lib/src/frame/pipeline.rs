@@ -3,6 +3,7 @@
 //! Network, streaming, input, entity tick, render, plugin. The library owns the entity tick; a [`Host`] (a client, a scene driver, a replayer)
 //! fills in the others, each with the world in its hands. The clock advances first and stands still until the next frame.
 
+use super::fidelity::Fidelity;
 use super::probe::{NoProbe, Probe};
 use crate::physics::body::EntityId;
 use crate::world::World;
@@ -77,6 +78,12 @@ pub enum Pacing {
 pub struct Pipeline {
     /// How often the entity tick runs.
     pub pacing: Pacing,
+    /// How finely time is cut; the limits of a quantum are read from the world's profile ([`Fidelity::apply`]).
+    pub fidelity: Fidelity,
+    /// When it last ran, s; only a limited tick rate looks at it.
+    last_tick: Option<f64>,
+    /// How many entity ticks have run; only remote entities look at it.
+    ticks: u64,
     /// When it last ran, s; only the engine gate looks at it.
     last_update: f64,
     /// The entities of this frame, in order; reused.
@@ -137,11 +144,19 @@ impl Pipeline {
         if self.pacing == Pacing::EngineGate && !self.gate_is_open(world) {
             return;
         }
+        if self.fidelity.skips_tick(self.last_tick, world.clock.now) {
+            return;
+        }
+        self.last_tick = Some(world.clock.now);
+        self.ticks += 1;
         // What is created meanwhile is first visited in the next frame.
         self.order.clear();
         self.order.extend_from_slice(world.entities.table());
         for &id in &self.order {
             if !world.entities.is_registered(id) {
+                continue;
+            }
+            if self.fidelity.skips_entity(id, self.ticks, world) {
                 continue;
             }
             world.update_entity(id, probe);

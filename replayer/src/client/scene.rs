@@ -163,6 +163,12 @@ impl SceneRun {
         &self.notes
     }
 
+    /// Cuts time otherwise than the retail client from now on. Called before the first frame.
+    pub fn set_fidelity(&mut self, fidelity: ac_client::frame::Fidelity) {
+        fidelity.apply(&mut self.world.profile);
+        self.pipeline.fidelity = fidelity;
+    }
+
     /// The object of a GUID, destroyed or not.
     pub fn object(&self, guid: u32) -> Option<EntityId> {
         self.objects.get(&guid).map(|o| o.id)
