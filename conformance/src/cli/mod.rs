@@ -80,7 +80,7 @@ pub fn main() -> ExitCode {
         }
     };
     let outcome = match cli.command {
-        Command::Run(args) => run::run(&args, &simulator(args.worlds.as_deref())),
+        Command::Run(args) => args.simulator().and_then(|s| run::run(&args, &s)),
         Command::Bless(args) => bless::run(&args, &simulator(None)),
         Command::Hash(args) => hash::run(&args, &simulator(args.worlds.as_deref())),
         Command::Import(args) => import::run(&args),
