@@ -70,6 +70,13 @@ impl Entities {
         self.mark(id, false);
     }
 
+    /// Moves an object of the object table to its beginning.
+    pub(crate) fn move_to_front(&mut self, id: EntityId) {
+        if let Some(at) = self.table.iter().position(|&e| e == id) {
+            self.table[..=at].rotate_right(1);
+        }
+    }
+
     fn mark(&mut self, id: EntityId, registered: bool) {
         if let Some(mark) = self.registered.get_mut(id.0 as usize) {
             *mark = registered;
@@ -233,6 +240,7 @@ impl World {
 
     /// An entity; `None` if it is taken out at the moment, or gone.
     pub fn entity_mut(&mut self, id: EntityId) -> Option<&mut Entity> {
+        self.catch_up(id);
         self.entities.get_mut(id)
     }
 
@@ -247,6 +255,7 @@ impl World {
         id: EntityId,
         f: impl FnOnce(&mut Entity, &mut Self) -> R,
     ) -> Option<R> {
+        self.catch_up(id);
         let mut entity = self.entities.take(id)?;
         let result = f(&mut entity, self);
         self.entities.put(entity);

@@ -113,6 +113,7 @@ impl Pipeline {
         probe: &mut P,
     ) {
         world.clock.now = now;
+        world.begin_planned_frame();
         host.network(world);
         host.streaming(world);
         self.maintain(world, host);
@@ -152,6 +153,7 @@ impl Pipeline {
         // What is created meanwhile is first visited in the next frame.
         self.order.clear();
         self.order.extend_from_slice(world.entities.table());
+        world.set_in_tick(true);
         for &id in &self.order {
             if !world.entities.is_registered(id) {
                 continue;
@@ -164,6 +166,7 @@ impl Pipeline {
                 host.player_updated(world);
             }
         }
+        world.set_in_tick(false);
         world.animate_statics();
         self.last_update = world.clock.now;
     }

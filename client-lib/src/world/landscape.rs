@@ -329,6 +329,20 @@ impl Landscape {
             .map(|&(_, slot)| CellHandle(slot | INDOOR))
     }
 
+    /// Blocks (0xXXYYFFFF) and indoor cells that are loaded, in no order.
+    pub(crate) fn loaded_members(&self) -> impl Iterator<Item = u32> {
+        let rooms = self.env_cells.iter().filter_map(Option::as_deref);
+        self.blocks()
+            .map(|block| block.id.0)
+            .chain(rooms.map(|room| room.base.id.0))
+    }
+
+    /// Whether something of a block, by the upper half of its id, was asked for already.
+    pub(crate) fn has_loaded(&self, block: u16) -> bool {
+        let block = usize::from(block);
+        self.block_table[block] != UNKNOWN || self.room_table[block] != UNKNOWN
+    }
+
     /// A loaded static object.
     pub fn static_object(&self, id: StaticId) -> Option<&StaticObject> {
         self.statics.get(id.0 as usize)?.as_deref()

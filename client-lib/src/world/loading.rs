@@ -92,6 +92,15 @@ impl World {
 
     /// Loads one block or indoor cell and what its static objects reach. Afterwards the demand is met: what cannot be had counts as absent.
     pub fn load(&mut self, demand: Demand) {
+        if self.plan.is_some() {
+            self.load_planned(demand);
+        } else {
+            self.load_alone(demand);
+        }
+    }
+
+    /// As [`World::load`], without what a plan has put off.
+    pub(crate) fn load_alone(&mut self, demand: Demand) {
         let mut cells = std::mem::take(&mut self.loading_cells);
         let mut tasks = Vec::new();
         tasks.extend(self.begin(demand));
@@ -488,7 +497,8 @@ impl World {
         object.place(position, &self.profile);
         object.body.cell = Some(cell);
         object.update_time = self.clock.now;
-        let animated = object.body.state.contains(PhysicsState::HAS_DEFAULT_ANIM);
+        let animated = object.body.state.contains(PhysicsState::HAS_DEFAULT_ANIM)
+            && !self.leaves_still(&object);
         let id = self.land.insert_static(object);
         if animated {
             self.land.animated_statics.push(id);

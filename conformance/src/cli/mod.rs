@@ -99,7 +99,7 @@ pub fn main() -> ExitCode {
         }
     };
     let outcome = match cli.command {
-        Command::Run(args) => run::run(&args, &simulator(args.worlds.as_deref(), &args.paths)),
+        Command::Run(args) => args.simulator().and_then(|s| run::run(&args, &s)),
         Command::Baseline(args) => baseline::run(&args, &simulator(None, &[])),
         Command::Bisect(args) => bisect::run(&args),
         Command::Bless(args) => bless::run(&args, &simulator(args.worlds.as_deref(), &args.paths)),
@@ -111,10 +111,10 @@ pub fn main() -> ExitCode {
         Command::Shrink(args) => shrink::run(&args),
         Command::Merge(args) => merge::run(&args),
         Command::Precision(args) => {
-            precision::run(&args, &simulator(args.worlds.as_deref(), &[]))
+            precision::run(&args, &simulator(args.worlds.as_deref(), &args.scenes))
         }
         Command::Stability(args) => {
-            stability::run(&args, &simulator(args.worlds.as_deref(), &[]))
+            stability::run(&args, &simulator(args.worlds.as_deref(), &args.scenes))
         }
         Command::Status(args) => status::run(&args, &simulator(None, &[])),
         Command::Vectors(args) => vectors::run(&args),
