@@ -14,6 +14,7 @@ use ac_client::profile::Profile;
 use ac_golden_traces::Scene;
 
 pub use scene::SceneRun;
+pub use script::params as move_parameters;
 
 use crate::simulation::{Simulation, SimulationError, Simulator};
 
