@@ -17,6 +17,7 @@ use ac_golden_traces::Scene;
 
 pub use planning::PlanChoice;
 pub use scene::{ScenePlan, SceneRun};
+pub use script::params as move_parameters;
 
 use crate::simulation::{Simulation, SimulationError, Simulator};
 
