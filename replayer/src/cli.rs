@@ -11,7 +11,11 @@ use std::{
     process::ExitCode,
 };
 
-use ac_client::{frame::FrameStates, profile::Profile};
+use ac_client::{
+    dat::DatSet,
+    frame::{FrameStates, plan::Outputs},
+    profile::Profile,
+};
 use ac_golden_traces::{
     GoldenError, Scene,
     import::hash_world,
@@ -22,7 +26,7 @@ use miette::{IntoDiagnostic, WrapErr, miette};
 
 use crate::{
     Simulation, Simulator,
-    client::ClientSimulator,
+    client::{ClientSimulator, PlanChoice, SceneRun},
     keyframes::{self, Identity},
     replay::{Detail, Replay, last_frame, replay_frames},
 };
@@ -49,6 +53,8 @@ enum Command {
     Seek(keyframes::SeekArgs),
     /// List the keyframes of a trace, or print one.
     Keyframes(keyframes::KeyframesArgs),
+    /// Say what can be left out of a scene, and why, or write it as a file for `run --plan`.
+    Plan(crate::plan_cmd::Args),
     /// Look into dat files and check them.
     Dat(crate::dat_cmd::DatArgs),
 }
@@ -67,11 +73,16 @@ struct RunArgs {
     #[arg(long)]
     checkpoints: bool,
     /// Also write all state after every N frames, so that `seek` and `run --from` need not run what is before.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", conflicts_with = "plan")]
     keyframes: Option<NonZeroU32>,
     /// Write frames from this one on; a trace with keyframes goes on from the last one before. Default: -1, the state before
     /// the first frame.
-    #[arg(long, value_name = "FRAME", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "FRAME",
+        allow_negative_numbers = true,
+        conflicts_with = "plan"
+    )]
     from: Option<i32>,
     /// Write frames up to this one. Default: the last.
     #[arg(long, value_name = "FRAME", allow_negative_numbers = true)]
@@ -79,6 +90,13 @@ struct RunArgs {
     /// Do not use the keyframes of the input: run from the start.
     #[arg(long)]
     from_start: bool,
+    /// Work that is done: `full` (everything a client does), `auto` (what can change the states), or a file of `ac-replay plan`. The states
+    /// are the same. Default: records are opened when they are first asked for, every entity is advanced in every frame.
+    #[arg(long, value_name = "full|auto|FILE")]
+    plan: Option<String>,
+    /// Carry a plan file out even if it leaves out what may change the states.
+    #[arg(long, requires = "plan")]
+    force_plan: bool,
     /// The trace to write.
     #[arg(short, long)]
     output: PathBuf,
@@ -101,6 +119,10 @@ pub fn main() -> ExitCode {
         Command::Run(args) => run(&args).map(|()| ExitCode::SUCCESS),
         Command::Seek(args) => keyframes::seek(&args),
         Command::Keyframes(args) => keyframes::list(&args).map(|()| ExitCode::SUCCESS),
+        Command::Plan(args) => crate::plan_cmd::run(&args).map(|text| {
+            print!("{text}");
+            ExitCode::SUCCESS
+        }),
         Command::Dat(args) => crate::dat_cmd::run(&args, &mut std::io::stdout().lock())
             .map(|verdict| ExitCode::from(verdict.code()))
             .map_err(miette::Report::new),
@@ -116,25 +138,21 @@ pub fn main() -> ExitCode {
 
 fn run(args: &RunArgs) -> miette::Result<()> {
     let worlds = keyframes::worlds(args.worlds.as_deref());
-    let simulator = ClientSimulator::new(&worlds);
-    let (input, info) = load(args, &worlds)?;
+    let plan = PlanChoice::parse(args.plan.as_deref(), args.force_plan).into_diagnostic()?;
+    let outputs = Outputs {
+        checkpoints: args.checkpoints,
+    };
+    let simulator = ClientSimulator::new(&worlds)
+        .with_plan(plan)
+        .with_outputs(outputs);
+    let (input, info) = about(args, &worlds)?;
     let profile =
         keyframes::profile_for(args.profile.as_deref(), &info.profile).into_diagnostic()?;
     let info = TraceInfo {
-        version: FormatVersion::CURRENT,
-        producer: concat!("ac-replay ", env!("CARGO_PKG_VERSION")).into(),
         profile: profile.name.into(),
         ..info
     };
-    let frames = frames(args, &input.scene)?;
     let identity = Identity::new(&info, &input.text, &profile);
-    let mut simulation = begin(args, &worlds, &simulator, &input, &profile, *frames.start())?;
-    let context = || format!("cannot write {}", args.output.display());
-    let out = BufWriter::new(
-        File::create(&args.output)
-            .into_diagnostic()
-            .wrap_err_with(context)?,
-    );
     let what = Replay {
         scene: &input.scene,
         scene_text: &input.text,
@@ -144,19 +162,52 @@ fn run(args: &RunArgs) -> miette::Result<()> {
         } else {
             Detail::States
         },
-        frames,
+        frames: frames(args, &input.scene)?,
         keyframes: args.keyframes.map(|every| (every, &identity)),
     };
-    let frames = replay_frames(simulation.as_mut(), &what, out)
+    if args.plan.is_some() {
+        let mut simulation = simulator.run(&input.scene, &profile).into_diagnostic()?;
+        write(args, &what, &mut simulation)?;
+        let set = simulator.world(&input.scene.world).into_diagnostic()?;
+        println!("{}", work(&simulation, &set));
+        return Ok(());
+    }
+    let first = *what.frames.start();
+    let mut simulation = begin(args, &worlds, &simulator, &input, &profile, first)?;
+    write(args, &what, simulation.as_mut())
+}
+
+/// Runs the frames and writes the trace.
+fn write(args: &RunArgs, what: &Replay<'_>, simulation: &mut dyn Simulation) -> miette::Result<()> {
+    let context = || format!("cannot write {}", args.output.display());
+    let out = BufWriter::new(
+        File::create(&args.output)
+            .into_diagnostic()
+            .wrap_err_with(context)?,
+    );
+    let frames = replay_frames(simulation, what, out)
         .into_diagnostic()
         .wrap_err_with(context)?;
     println!(
         "{}: {frames} frames of {} entities in {}",
-        info.scene,
-        input.scene.track.len(),
+        what.scene.name,
+        what.scene.track.len(),
         args.output.display()
     );
     Ok(())
+}
+
+/// What a run under a plan has cost, in one line.
+fn work(simulation: &SceneRun, set: &DatSet) -> String {
+    let (portal, cell) = set.counts();
+    let late = simulation.extended();
+    format!(
+        "{} records and {} bytes of the dat files; {} entities created late, {} ticks left out",
+        portal.records + cell.records,
+        portal.file_bytes + cell.file_bytes,
+        late.entities,
+        late.frames_put_off
+    )
 }
 
 /// The frames that are asked for.
@@ -208,7 +259,7 @@ struct Input {
 }
 
 /// The input, and what a trace of it says about itself; the profile is that of the input, if it has one.
-fn load(args: &RunArgs, worlds: &Path) -> miette::Result<(Input, TraceInfo)> {
+fn about(args: &RunArgs, worlds: &Path) -> miette::Result<(Input, TraceInfo)> {
     let (input, profile) = read(&args.input).into_diagnostic()?;
     let world = hash_world(&worlds.join(&input.scene.world))
         .into_diagnostic()
@@ -222,11 +273,17 @@ fn load(args: &RunArgs, worlds: &Path) -> miette::Result<(Input, TraceInfo)> {
     let info = TraceInfo {
         version: FormatVersion::CURRENT,
         scene: input.scene.name.clone(),
-        producer: String::new(),
+        producer: concat!("ac-replay ", env!("CARGO_PKG_VERSION")).into(),
         profile,
         world,
     };
     Ok((input, info))
+}
+
+/// The scene in a file, and its text.
+pub(crate) fn load(path: &Path) -> Result<(Scene, Vec<u8>), GoldenError> {
+    let (input, _) = read(path)?;
+    Ok((input.scene, input.text))
 }
 
 /// The scene in a file, its text, and the profile under which a trace was produced.

@@ -72,13 +72,14 @@ impl Stored for Arc<MotionTable> {
 
 /// Which setup.
 #[derive(Debug, Clone, Copy, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) enum SetupForm {
     /// Of the dat files.
     Record(u32),
     /// That of an object that is one shape.
     Shape(u32),
-    /// Of an object without setup.
-    Empty,
+    /// Of an object without setup: all that it has is a sorting sphere.
+    Empty { center: [f32; 3], radius: f32 },
 }
 
 impl Stored for Arc<Setup> {
@@ -87,7 +88,10 @@ impl Stored for Arc<Setup> {
     fn store(&self) -> SetupForm {
         match (self.id, self.parts.as_slice()) {
             (0, [shape]) => SetupForm::Shape(*shape),
-            (0, _) => SetupForm::Empty,
+            (0, _) => SetupForm::Empty {
+                center: self.sorting_sphere.center.store(),
+                radius: self.sorting_sphere.radius,
+            },
             (id, _) => SetupForm::Record(id),
         }
     }
@@ -99,14 +103,19 @@ impl Stored for Arc<Setup> {
                 .setup(id)
                 .ok_or(SnapshotError::MissingRecord { kind: "setup", id })?,
             SetupForm::Shape(id) => Self::new(simple_setup(&*Arc::<GfxShape>::restore(id, by)?)),
-            SetupForm::Empty => Self::new(Setup::empty(0)),
+            SetupForm::Empty { center, radius } => {
+                let mut setup = Setup::empty(0);
+                setup.sorting_sphere.center = Stored::restore(center, by)?;
+                setup.sorting_sphere.radius = radius;
+                Self::new(setup)
+            }
         })
     }
 
     #[cfg(test)]
     fn describe(forms: &mut Forms) -> String {
         define(forms, "SetupForm", |_| {
-            "\n  | Record(u32)\n  | Shape(u32)\n  | Empty".into()
+            "\n  | Record(u32)\n  | Shape(u32)\n  | Empty center: [f32; 3] radius: f32".into()
         })
     }
 }
@@ -217,16 +226,79 @@ stored!(
         next_serial: u64,
     }
 );
-stored!(
-    struct PartArrayForm of PartArray {
-        sequence: Sequence,
-        motion_table: Option<MotionTableManager>,
-        parts: Vec<Option<PhysicsPart>>,
-        hooks: Vec<HookAction>,
-        setup: Option<Arc<Setup>>,
-        scale: Vec3,
+
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PartArrayForm {
+    sequence: SequenceForm,
+    motion_table: Option<Box<MotionTableForm>>,
+    parts: Vec<Option<Box<PartForm>>>,
+    hooks: Vec<HookForm>,
+    setup: Option<Box<SetupForm>>,
+    scale: [f32; 3],
+}
+
+impl Stored for PartArray {
+    type Form = PartArrayForm;
+
+    fn store(&self) -> PartArrayForm {
+        let Self {
+            sequence,
+            motion_table,
+            parts,
+            hooks,
+            setup,
+            scale,
+            // Of the setup.
+            obstacle_reach: _,
+        } = self;
+        PartArrayForm {
+            sequence: sequence.store(),
+            motion_table: motion_table.store(),
+            parts: parts.store(),
+            hooks: hooks.store(),
+            setup: setup.store(),
+            scale: scale.store(),
+        }
     }
-);
+
+    fn restore(form: PartArrayForm, by: &mut Restorer<'_>) -> Result<Self, SnapshotError> {
+        let PartArrayForm {
+            sequence,
+            motion_table,
+            parts,
+            hooks,
+            setup,
+            scale,
+        } = form;
+        let mut array = Self::empty();
+        if let Some(setup) = Option::<Arc<Setup>>::restore(setup, by)? {
+            array.take_setup(setup);
+        }
+        array.sequence = Stored::restore(sequence, by)?;
+        array.motion_table = Stored::restore(motion_table, by)?;
+        array.parts = Stored::restore(parts, by)?;
+        array.hooks = Stored::restore(hooks, by)?;
+        array.scale = Stored::restore(scale, by)?;
+        Ok(array)
+    }
+
+    #[cfg(test)]
+    fn describe(forms: &mut Forms) -> String {
+        define(forms, "PartArrayForm", |forms| {
+            format!(
+                "\n  sequence: {}\n  motion_table: {}\n  parts: {}\n  hooks: {}\n  setup: {}\n  scale: {}",
+                Sequence::describe(forms),
+                Option::<MotionTableManager>::describe(forms),
+                Vec::<Option<PhysicsPart>>::describe(forms),
+                Vec::<HookAction>::describe(forms),
+                Option::<Arc<Setup>>::describe(forms),
+                Vec3::describe(forms),
+            )
+        })
+    }
+}
+
 stored!(
     enum TimedHookKindForm of TimedHookKind {
         Scale,

@@ -101,6 +101,7 @@ pub(super) struct MapForm {
     absent_rooms: u32,
     animated_statics: Vec<u32>,
     has_unlinked: bool,
+    window_only: bool,
 }
 
 pub(super) fn store(land: &Landscape) -> MapForm {
@@ -120,6 +121,7 @@ pub(super) fn store(land: &Landscape) -> MapForm {
         absent_rooms,
         animated_statics,
         has_unlinked,
+        window_only,
     } = land;
     let numbered = |table: &[u32], entry: u32| -> Vec<u16> {
         let numbers = (0..=u16::MAX).zip(table);
@@ -158,6 +160,7 @@ pub(super) fn store(land: &Landscape) -> MapForm {
         absent_rooms: *absent_rooms,
         animated_statics: animated_statics.store(),
         has_unlinked: *has_unlinked,
+        window_only: *window_only,
     }
 }
 
@@ -233,6 +236,7 @@ pub(super) fn restore(
         absent_rooms,
         animated_statics,
         has_unlinked,
+        window_only,
     } = form;
     let total = absent_blocks.len() + blocks.len() + env_cells.len() + statics.len();
     with_restorer(world, elements, |by| by.spend(total))?;
@@ -265,6 +269,7 @@ pub(super) fn restore(
     land.absent_rooms = absent_rooms;
     land.animated_statics = animated_statics.into_iter().map(StaticId).collect();
     land.has_unlinked = has_unlinked;
+    land.window_only = window_only;
     Ok(())
 }
 
@@ -446,7 +451,7 @@ pub(super) fn describe(forms: &mut Forms) -> String {
             "\n  absent_blocks: list of u16\n  blocks: list of optional BlockForm\n  free_blocks: list of u32\n  \
              rooms: list of RoomsForm\n  env_cells: list of optional RoomForm\n  free_env_cells: list of u32\n  \
              statics: {statics}\n  free_statics: list of u32\n  absent_rooms: u32\n  animated_statics: list of u32\n  \
-             has_unlinked: bool"
+             has_unlinked: bool\n  window_only: bool"
         )
     })
 }

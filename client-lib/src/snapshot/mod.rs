@@ -20,6 +20,7 @@
 //! | `objects` | entities, bodies, managers, the object table |
 //! | `map` | loaded blocks, rooms, static objects |
 //! | `whole` | the world |
+//! | `windows` | the window of landblocks that a client keeps around its player |
 
 mod animations;
 mod form;
@@ -29,6 +30,7 @@ mod map;
 mod motions;
 mod objects;
 mod whole;
+mod windows;
 
 use std::sync::Arc;
 
@@ -36,8 +38,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::frame::Pipeline;
 use crate::profile::Profile;
-use crate::world::{Resources, World, WorldSource};
-use form::Stored;
+use crate::world::{Resources, Streaming, World, WorldSource};
 
 /// Version of the forms. Raise it whenever a form changes: a reader refuses every other version. The test `the_forms_belong_to_the_version`
 /// knows all forms of the present one.
@@ -62,6 +63,9 @@ pub enum SnapshotError {
     /// It says something that no world can be in.
     #[error("the snapshot contradicts itself: {0}")]
     Inconsistent(String),
+    /// The world runs under a plan, which has put a part of it off.
+    #[error("a world under a plan is not all there: run it without a plan")]
+    Planned,
     /// It has more elements than any world.
     #[error("the snapshot has more than {MAX_ELEMENTS} elements")]
     TooLarge,
@@ -72,6 +76,11 @@ pub enum SnapshotError {
 #[serde(transparent)]
 pub struct WorldSnapshot(whole::WorldForm);
 
+/// All state of a streaming window.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct StreamingSnapshot(windows::StreamingForm);
+
 /// All state of a pipeline.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(transparent)]
@@ -79,8 +88,11 @@ pub struct PipelineSnapshot(frames::PipelineForm);
 
 impl WorldSnapshot {
     /// Takes a snapshot. No entity may be taken out, that is, the world is between two frames.
-    pub fn of(world: &World) -> Self {
-        Self(whole::store(world))
+    ///
+    /// # Errors
+    /// A world under a [plan](World::set_plan): a part of its state is put off.
+    pub fn of(world: &World) -> Result<Self, SnapshotError> {
+        Ok(Self(whole::store(world)?))
     }
 
     /// Makes the world again over the files and under the profile that it had. What has to be read of the files is read now.
@@ -96,15 +108,30 @@ impl WorldSnapshot {
     }
 }
 
+impl StreamingSnapshot {
+    /// Takes a snapshot.
+    pub fn of(streaming: &Streaming) -> Self {
+        Self(windows::store(streaming))
+    }
+
+    /// Makes the window again; what it shows is loaded in the world that belongs to it.
+    ///
+    /// # Errors
+    /// A window that no client can have.
+    pub fn restore(self) -> Result<Streaming, SnapshotError> {
+        windows::restore(self.0)
+    }
+}
+
 impl PipelineSnapshot {
     /// Takes a snapshot.
     pub fn of(pipeline: &Pipeline) -> Self {
-        Self(pipeline.store())
+        Self(frames::store(pipeline))
     }
 
     /// Makes the pipeline again.
     pub fn restore(self) -> Pipeline {
-        frames::restore_pipeline(self.0)
+        frames::restore(self.0)
     }
 }
 

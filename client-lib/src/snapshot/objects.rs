@@ -6,8 +6,8 @@ use super::form::{Stored, stored};
 use super::{Restorer, SnapshotError, inconsistent};
 use crate::animation::{PartArray, TimedHook};
 use crate::entity::{
-    AttackReport, Child, CollisionProfile, CollisionRecord, CollisionReport, Entities, Entity,
-    EnvironmentReport, HouseAccess, Kinetics, ObjectReport, Timestamps, Weenie,
+    AttackReport, Child, CollisionProfile, CollisionRecord, CollisionReport, Ending, Entities,
+    Entity, EnvironmentReport, HouseAccess, Kinetics, ObjectReport, Timestamps, Weenie,
 };
 use crate::frame::state::{FrameEvent, Step};
 use crate::math::{CellId, Frame, Plane, Position, Vec3};
@@ -170,7 +170,7 @@ stored!(
     struct ObjectReportForm of ObjectReport { guid: u32, velocity: Vec3, profile: Option<CollisionProfile> }
 );
 stored!(
-    struct AttackReportForm of AttackReport { guid: u32, quadrant: u32 }
+    struct AttackReportForm of AttackReport { guid: u32, quadrant: u32, part: u32 }
 );
 stored!(
     struct EnvironmentReportForm of EnvironmentReport { velocity: Vec3, my_contact: bool }
@@ -228,6 +228,7 @@ stored!(
         default_script_intensity: f32,
         examination_object: bool,
         attack_radius: f32,
+        unposed: bool,
         events: Vec<FrameEvent>,
         steps: Vec<Step>,
         touched: Vec<u32>,
@@ -245,6 +246,20 @@ pub(super) struct EntitiesForm {
     registered: Vec<bool>,
     guids: Vec<(u32, u32)>,
     resting: Vec<f64>,
+    gone: Vec<bool>,
+    ending: Vec<EndingForm>,
+}
+
+stored!(
+    enum HowForm of Ending { Destroyed, Deleted }
+);
+
+/// An object that ends when it is put back.
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EndingForm {
+    entity: u32,
+    how: HowForm,
 }
 
 impl Stored for Entities {
@@ -257,6 +272,8 @@ impl Stored for Entities {
             registered,
             by_guid,
             resting,
+            gone,
+            ending,
         } = self;
         let mut guids: Vec<(u32, u32)> = by_guid.iter().map(|(guid, id)| (*guid, id.0)).collect();
         guids.sort_unstable();
@@ -266,6 +283,14 @@ impl Stored for Entities {
             registered: registered.store(),
             guids,
             resting: resting.store(),
+            gone: gone.store(),
+            ending: ending
+                .iter()
+                .map(|(id, how)| EndingForm {
+                    entity: id.0,
+                    how: how.store(),
+                })
+                .collect(),
         }
     }
 
@@ -276,9 +301,11 @@ impl Stored for Entities {
             registered,
             guids,
             resting,
+            gone,
+            ending,
         } = form;
         by.spend(guids.len())?;
-        let entities = Self {
+        let mut entities = Self {
             slots: Stored::restore(slots, by)?,
             table: Stored::restore(table, by)?,
             registered: Stored::restore(registered, by)?,
@@ -287,7 +314,14 @@ impl Stored for Entities {
                 .map(|(guid, id)| (guid, EntityId(id)))
                 .collect::<HashMap<_, _>>(),
             resting: Stored::restore(resting, by)?,
+            gone: Stored::restore(gone, by)?,
+            ending: Vec::new(),
         };
+        by.spend(ending.len())?;
+        for EndingForm { entity, how } in ending {
+            let ending = (EntityId(entity), Ending::restore(how, by)?);
+            entities.ending.push(ending);
+        }
         check_entities(&entities)?;
         Ok(entities)
     }
@@ -296,9 +330,11 @@ impl Stored for Entities {
     fn describe(forms: &mut Forms) -> String {
         define(forms, "EntitiesForm", |forms| {
             format!(
-                "\n  slots: {}\n  table: {}\n  registered: list of bool\n  guids: list of (u32, u32)\n  resting: list of f64",
+                "\n  slots: {}\n  table: {}\n  registered: list of bool\n  guids: list of (u32, u32)\n  resting: list of f64\n  gone: list of bool\n  \
+                 ending: list of {{ entity: u32, how: {} }}",
                 Vec::<Option<Box<Entity>>>::describe(forms),
                 Vec::<EntityId>::describe(forms),
+                Ending::describe(forms),
             )
         })
     }
@@ -306,7 +342,10 @@ impl Stored for Entities {
 
 fn check_entities(entities: &Entities) -> Result<(), SnapshotError> {
     let count = entities.slots.len();
-    if entities.registered.len() != count || entities.resting.len() > count {
+    if entities.registered.len() != count
+        || entities.resting.len() > count
+        || entities.gone.len() != count
+    {
         return Err(inconsistent("the lists of entities differ in length"));
     }
     for (index, slot) in entities.slots.iter().enumerate() {
@@ -319,7 +358,12 @@ fn check_entities(entities: &Entities) -> Result<(), SnapshotError> {
             )));
         }
     }
-    let named = entities.table.iter().chain(entities.by_guid.values());
+    let ending = entities.ending.iter().map(|(id, _)| id);
+    let named = entities
+        .table
+        .iter()
+        .chain(entities.by_guid.values())
+        .chain(ending);
     for id in named {
         if id.0 as usize >= count {
             return Err(inconsistent(format!("there is no entity {}", id.0)));
@@ -375,29 +419,43 @@ impl Stored for TransitionSlots {
     }
 }
 
-impl Stored for LostCells {
-    type Form = Vec<(u32, Vec<u32>)>;
+/// Lost objects by cell, and those whose cell has come.
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LostForm {
+    cells: Vec<(u32, Vec<u32>)>,
+    arrived: Vec<u32>,
+}
 
-    fn store(&self) -> Self::Form {
-        let Self { cells } = self;
-        cells
-            .iter()
-            .map(|(cell, list)| (cell.0, list.store()))
-            .collect()
+impl Stored for LostCells {
+    type Form = LostForm;
+
+    fn store(&self) -> LostForm {
+        let Self { cells, arrived } = self;
+        let cells = cells.iter().map(|(cell, list)| (cell.0, list.store()));
+        LostForm {
+            cells: cells.collect(),
+            arrived: arrived.store(),
+        }
     }
 
-    fn restore(form: Self::Form, by: &mut Restorer<'_>) -> Result<Self, SnapshotError> {
-        by.spend(form.len())?;
+    fn restore(form: LostForm, by: &mut Restorer<'_>) -> Result<Self, SnapshotError> {
+        by.spend(form.cells.len())?;
         let mut cells = std::collections::BTreeMap::new();
-        for (cell, list) in form {
+        for (cell, list) in form.cells {
             cells.insert(CellId(cell), Stored::restore(list, by)?);
         }
-        Ok(Self { cells })
+        Ok(Self {
+            cells,
+            arrived: Stored::restore(form.arrived, by)?,
+        })
     }
 
     #[cfg(test)]
-    fn describe(_: &mut Forms) -> String {
-        "list of (cell id as u32, list of entity as u32)".into()
+    fn describe(forms: &mut Forms) -> String {
+        define(forms, "LostForm", |_| {
+            "\n  cells: list of (u32, list of u32)\n  arrived: list of u32".into()
+        })
     }
 }
 

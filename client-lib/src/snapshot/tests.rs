@@ -27,7 +27,8 @@ const ODD_NAN: f32 = f32::from_bits(0xFF80_1234);
 fn the_forms_belong_to_the_version() {
     let mut forms = Forms::new();
     whole::describe(&mut forms);
-    <Pipeline as Stored>::describe(&mut forms);
+    frames::describe(&mut forms);
+    windows::describe(&mut forms);
     let text: String = forms
         .iter()
         .map(|(name, definition)| format!("{name}{definition}\n"))
@@ -156,6 +157,7 @@ fn world() -> World {
     let attack = AttackReport {
         guid: 6,
         quadrant: 0x21,
+        part: AttackReport::WHOLE,
     };
     entity.reports.push(CollisionReport::Attack(attack));
     entity.timestamps.0 = [1, 2, 3, 4, 5, 6, 7, 8, 65535];
@@ -174,7 +176,7 @@ fn source() -> Arc<MemorySource> {
 }
 
 fn bytes(world: &World) -> Vec<u8> {
-    rmp_serde::to_vec_named(&WorldSnapshot::of(world)).unwrap()
+    rmp_serde::to_vec_named(&WorldSnapshot::of(world).unwrap()).unwrap()
 }
 
 #[test]
@@ -207,10 +209,26 @@ fn a_pipeline_comes_back() {
     assert_eq!(format!("{:?}", again.restore()), format!("{pipeline:?}"));
 }
 
+#[test]
+fn a_streaming_window_comes_back() {
+    let mut streaming = Streaming::with_radius(2);
+    let mut world = World::new(Profile::retail(), 0.0);
+    streaming.follow(CellId(0x0102_0003), &mut world);
+    let form = serde_json::to_value(StreamingSnapshot::of(&streaming)).unwrap();
+    let snapshot: StreamingSnapshot = serde_json::from_value(form.clone()).unwrap();
+    let again = snapshot.restore().unwrap();
+    assert_eq!(format!("{again:?}"), format!("{streaming:?}"));
+    let mut wide = form;
+    wide["radius"] = json!(i32::MAX);
+    let snapshot: StreamingSnapshot = serde_json::from_value(wide).unwrap();
+    assert!(snapshot.restore().is_err());
+}
+
 /// What restoring says of a snapshot of which something was changed.
 fn refused(change: impl FnOnce(&mut Value)) -> String {
     let mut value =
-        serde_json::to_value(WorldSnapshot::of(&World::new(Profile::retail(), 0.0))).unwrap();
+        serde_json::to_value(WorldSnapshot::of(&World::new(Profile::retail(), 0.0)).unwrap())
+            .unwrap();
     change(&mut value);
     match serde_json::from_value::<WorldSnapshot>(value) {
         Err(error) => error.to_string(),

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::form::{Stored, stored};
 use super::map::{self, MapForm};
-use super::objects::{CellArrayForm, EntitiesForm, SlotsForm};
+use super::objects::{CellArrayForm, EntitiesForm, LostForm, SlotsForm};
 use super::{Restorer, SnapshotError};
 use crate::profile::Profile;
 use crate::world::{Clock, Random, Scratch, World, WorldSource};
@@ -30,13 +30,13 @@ pub(super) struct WorldForm {
     local_player: Option<Box<u32>>,
     culling_enabled: bool,
     static_animations: Vec<u32>,
-    lost: Vec<(u32, Vec<u32>)>,
+    lost: LostForm,
     doomed: Vec<(u32, f64)>,
     touched_cells: CellArrayForm,
     loading_cells: CellArrayForm,
 }
 
-pub(super) fn store(world: &World) -> WorldForm {
+pub(super) fn store(world: &World) -> Result<WorldForm, SnapshotError> {
     let World {
         // Given again when the world is restored.
         profile: _,
@@ -52,18 +52,23 @@ pub(super) fn store(world: &World) -> WorldForm {
         static_animations,
         lost,
         doomed,
+        plan,
         scratch,
         loading_cells,
     } = world;
+    if plan.is_some() {
+        return Err(SnapshotError::Planned);
+    }
     let Scratch {
         // Emptied before each use.
         guids: _,
+        hits: _,
         // Under `C-01` a list of cells goes on from what was in it.
         cells,
         // Nothing of it is ever read.
         spare_entity: _,
     } = scratch;
-    WorldForm {
+    Ok(WorldForm {
         clock: clock.store(),
         land: map::store(land),
         entities: entities.store(),
@@ -76,7 +81,7 @@ pub(super) fn store(world: &World) -> WorldForm {
         doomed: doomed.store(),
         touched_cells: cells.store(),
         loading_cells: loading_cells.store(),
-    }
+    })
 }
 
 pub(super) fn restore(

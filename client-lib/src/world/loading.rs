@@ -92,6 +92,15 @@ impl World {
 
     /// Loads one block or indoor cell and what its static objects reach. Afterwards the demand is met: what cannot be had counts as absent.
     pub fn load(&mut self, demand: Demand) {
+        if self.plan.is_some() {
+            self.load_planned(demand);
+        } else {
+            self.load_alone(demand);
+        }
+    }
+
+    /// As [`World::load`], without what a plan has put off.
+    pub(crate) fn load_alone(&mut self, demand: Demand) {
         let mut cells = std::mem::take(&mut self.loading_cells);
         let mut tasks = Vec::new();
         tasks.extend(self.begin(demand));
@@ -148,6 +157,7 @@ impl World {
             return None;
         };
         self.land.insert_block(block);
+        self.lost.arrive(id);
         self.init_buildings(id);
         Some(Task::Block(BlockTask {
             block: id,
@@ -372,7 +382,9 @@ impl World {
             Some(cell) => cell,
             None => {
                 let made = self.make_room(id);
-                self.land.insert_env_cell(id, made)?
+                let cell = self.land.insert_env_cell(id, made)?;
+                self.lost.arrive(id);
+                cell
             }
         };
         let connected = self.profile.env_cell_statics == EnvCellStatics::ConnectedSet;
@@ -496,7 +508,8 @@ impl World {
         object.place(position, &self.profile);
         object.body.cell = Some(cell);
         object.update_time = self.clock.now;
-        let animated = object.body.state.contains(PhysicsState::HAS_DEFAULT_ANIM);
+        let animated = object.body.state.contains(PhysicsState::HAS_DEFAULT_ANIM)
+            && !self.leaves_still(&object);
         let id = self.land.insert_static(object);
         if animated {
             self.land.animated_statics.push(id);

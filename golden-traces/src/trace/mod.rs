@@ -16,6 +16,7 @@
 //! is ([`version`]), who wrote it, and the hashes of the world's files.
 
 mod reader;
+pub mod rewrite;
 mod seek;
 pub mod version;
 mod writer;

@@ -73,7 +73,7 @@ impl SceneRun {
             objects: objects.collect(),
             next_step: *next_step as u64,
             notes: notes.clone(),
-            world: WorldSnapshot::of(world),
+            world: WorldSnapshot::of(world).map_err(bad)?,
         };
         rmp_serde::to_vec_named(&form).map_err(bad)
     }
