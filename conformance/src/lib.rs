@@ -8,6 +8,7 @@
 //! - [`bless`]: expectations of this library's own, and taking a change into them.
 //! - [`shrink`]: making a scene that diverges as small as it can be.
 //! - [`hash`]: whether two runs computed the same bits.
+//! - [`remote`]: corpora that are at a URL.
 //! - [`precision`]: what each choice of fidelity costs, and what error it makes.
 //! - [`stability`]: what small changes grow to, and what stiff and extreme cases do to the rules.
 //! - [`vectors`]: calls of single primitives.
@@ -22,6 +23,7 @@ pub mod compare;
 pub mod gate;
 pub mod hash;
 pub mod precision;
+pub mod remote;
 pub mod report_html;
 pub mod run;
 pub mod shrink;

@@ -1,5 +1,6 @@
 //! `docs/status.md`: what matches how well, from measurements only.
 
+mod comparing;
 mod sensitivity;
 mod speed;
 
@@ -9,6 +10,7 @@ use std::{
     time::Duration,
 };
 
+pub use comparing::{Comparing, comparing_in};
 pub use speed::{Bench, Cost, benches_in, costs, machine};
 
 use crate::{
@@ -43,6 +45,8 @@ pub struct Measurements {
     pub costs: Vec<Cost>,
     /// Benchmarks that have been run.
     pub benches: Vec<Bench>,
+    /// Long traces that have been compared.
+    pub comparing: Vec<Comparing>,
 }
 
 /// The page.
@@ -63,6 +67,7 @@ pub fn page(measured: &Measurements) -> String {
     stages(&mut text, &measured.runs);
     retail(&mut text, &measured.retail);
     sensitivity::section(&mut text, &measured.sensitivity);
+    comparing::section(&mut text, &measured.comparing);
     speed::section(&mut text, &measured.benches, &measured.costs);
     text
 }

@@ -10,6 +10,7 @@ mod gate;
 mod hash;
 mod import;
 mod merge;
+mod remote;
 mod precision;
 mod run;
 mod sensitivity;
@@ -48,7 +49,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     /// Run scenes through the client library and compare every frame with what the oracles expect.
-    Run(run::Args),
+    Run(Box<run::Args>),
     /// Take divergences of the bundled traces from oracles into the baseline, after showing what changes in it.
     Baseline(baseline::Args),
     /// Find the commit that changed what a trace says, and the frame, stage and field in which the change begins.
@@ -99,7 +100,7 @@ pub fn main() -> ExitCode {
         }
     };
     let outcome = match cli.command {
-        Command::Run(args) => args.simulator().and_then(|s| run::run(&args, &s)),
+        Command::Run(args) => run::fetch_and_run(*args),
         Command::Baseline(args) => baseline::run(&args, &simulator(None, &[])),
         Command::Bisect(args) => bisect::run(&args),
         Command::Bless(args) => bless::run(&args, &simulator(args.worlds.as_deref(), &args.paths)),

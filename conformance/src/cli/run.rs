@@ -26,8 +26,8 @@ use crate::{
 #[derive(clap::Args)]
 #[command(after_help = gate::EXIT_CODES)]
 pub struct Args {
-    /// Traces (`*.mcap`), scenes (`*.scene.json`, with their expectations beside them or under --expect), or folders of them.
-    /// Default: the bundled traces.
+    /// Traces (`*.mcap`), scenes (`*.scene.json`, with their expectations beside them or under --expect), folders of them, or URLs of
+    /// folders (`s3://bucket/prefix`; docs/remote-corpora.md). Default: the bundled traces.
     pub(super) paths: Vec<PathBuf>,
     /// Folder of the worlds. Default: `worlds` in a given folder, else the bundled worlds.
     #[arg(long)]
@@ -73,6 +73,8 @@ pub struct Args {
     #[arg(long)]
     shard: Option<Shard>,
     #[command(flatten)]
+    remote: super::remote::Args,
+    #[command(flatten)]
     outputs: gate::Outputs,
 }
 
@@ -82,6 +84,17 @@ impl Args {
         let plan = PlanChoice::parse(self.plan.as_deref(), self.force_plan).into_diagnostic()?;
         Ok(super::simulator(self.worlds.as_deref(), &self.paths).with_plan(plan))
     }
+}
+
+/// Fetches what is at URLs, then [runs](run()).
+///
+/// # Errors
+/// When something cannot be fetched, or nothing can be run.
+pub fn fetch_and_run(mut args: Args) -> miette::Result<ExitCode> {
+    // What was fetched is there as long as this.
+    let opened = args.remote.open(&args.paths)?;
+    args.paths.clone_from(&opened.paths);
+    run(&args, &args.simulator()?)
 }
 
 /// Runs and compares; exit code 1 when something is new, changed or flaky.
