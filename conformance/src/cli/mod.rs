@@ -10,9 +10,11 @@ mod gate;
 mod hash;
 mod import;
 mod merge;
+mod precision;
 mod run;
 mod sensitivity;
 mod shrink;
+mod stability;
 mod status;
 mod vectors;
 
@@ -63,6 +65,10 @@ enum Command {
     Shrink(shrink::Args),
     /// Put the results of all shards of a run together and judge them as one.
     Merge(merge::Args),
+    /// Measure what each choice of fidelity costs and what error it makes.
+    Precision(precision::Args),
+    /// Check stiff and extreme cases, rules that must always hold, and what small changes grow to.
+    Stability(stability::Args),
     /// Measure everything that is bundled and write the status page.
     Status(status::Args),
     /// Run vector files: calls of single primitives, compared bit for bit.
@@ -93,7 +99,7 @@ pub fn main() -> ExitCode {
         }
     };
     let outcome = match cli.command {
-        Command::Run(args) => run::run(&args, &simulator(args.worlds.as_deref(), &args.paths)),
+        Command::Run(args) => args.simulator().and_then(|s| run::run(&args, &s)),
         Command::Baseline(args) => baseline::run(&args, &simulator(None, &[])),
         Command::Bisect(args) => bisect::run(&args),
         Command::Bless(args) => bless::run(&args, &simulator(args.worlds.as_deref(), &args.paths)),
@@ -104,6 +110,12 @@ pub fn main() -> ExitCode {
         }
         Command::Shrink(args) => shrink::run(&args),
         Command::Merge(args) => merge::run(&args),
+        Command::Precision(args) => {
+            precision::run(&args, &simulator(args.worlds.as_deref(), &args.scenes))
+        }
+        Command::Stability(args) => {
+            stability::run(&args, &simulator(args.worlds.as_deref(), &args.scenes))
+        }
         Command::Status(args) => status::run(&args, &simulator(None, &[])),
         Command::Vectors(args) => vectors::run(&args),
     };

@@ -10,6 +10,7 @@ use std::{
 use ac_client::profile::Profile;
 use ac_golden_traces::{GoldenError, corpus};
 use ac_replayer::Simulator;
+use ac_replayer::client::{ClientSimulator, PlanChoice};
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, miette};
 
@@ -55,6 +56,13 @@ pub struct Args {
     /// File of known divergences. Default for the bundled traces: `conformance/baseline.toml`.
     #[arg(long)]
     baseline: Option<PathBuf>,
+    /// Work that is done: `full` (everything a client does), `auto` (what can change the states), or a file of `ac-replay plan`. Results are
+    /// the same. Default: records are opened when they are first asked for, every entity is advanced in every frame.
+    #[arg(long, value_name = "full|auto|FILE")]
+    plan: Option<String>,
+    /// Carry a plan file out even if it leaves out what may change results.
+    #[arg(long, requires = "plan")]
+    force_plan: bool,
     /// Write a report for a browser into this folder: DIR/index.html.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
@@ -66,6 +74,14 @@ pub struct Args {
     shard: Option<Shard>,
     #[command(flatten)]
     outputs: gate::Outputs,
+}
+
+impl Args {
+    /// The client library on the worlds and under the plan that the arguments name.
+    pub(super) fn simulator(&self) -> miette::Result<ClientSimulator> {
+        let plan = PlanChoice::parse(self.plan.as_deref(), self.force_plan).into_diagnostic()?;
+        Ok(super::simulator(self.worlds.as_deref(), &self.paths).with_plan(plan))
+    }
 }
 
 /// Runs and compares; exit code 1 when something is new, changed or flaky.
