@@ -33,7 +33,7 @@ use crate::{
 #[derive(clap::Args)]
 pub struct Args {
     /// Traces (`*.mcap`), scenes (`*.scene.json`), folders of them, or the word `analytic` for the scenes whose solution is known.
-    scenes: Vec<PathBuf>,
+    pub(super) scenes: Vec<PathBuf>,
     /// Folder of the worlds. Default: the bundled worlds.
     #[arg(long)]
     pub(super) worlds: Option<PathBuf>,
