@@ -2,6 +2,7 @@
 
 mod sensitivity;
 mod speed;
+mod tools;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -10,6 +11,7 @@ use std::{
 };
 
 pub use speed::{Bench, Cost, benches_in, costs, machine};
+pub use tools::{Tools, tools_in};
 
 use crate::{
     run::{Mode, RunResult, StageCount, sensitivity::SceneSensitivity},
@@ -43,6 +45,8 @@ pub struct Measurements {
     pub costs: Vec<Cost>,
     /// Benchmarks that have been run.
     pub benches: Vec<Bench>,
+    /// Bisections and shrinkings that were tried.
+    pub tools: Tools,
 }
 
 /// The page.
@@ -64,6 +68,7 @@ pub fn page(measured: &Measurements) -> String {
     retail(&mut text, &measured.retail);
     sensitivity::section(&mut text, &measured.sensitivity);
     speed::section(&mut text, &measured.benches, &measured.costs);
+    tools::section(&mut text, &measured.tools);
     text
 }
 
