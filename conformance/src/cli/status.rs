@@ -52,11 +52,13 @@ pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
         modes: Mode::ALL.into(),
         oracle: None,
         profile: None,
+        series: false,
     };
     let free = Options {
         modes: vec![Mode::Free],
         oracle: None,
         profile: Some("retail".into()),
+        series: false,
     };
     let start = Instant::now();
     let runs = run::run(simulator, &cases, &all, || ());

@@ -6,8 +6,11 @@
 //! The script only ever sets text, so no string of a trace can become markup.
 
 mod encode;
+mod plot;
+pub mod precision_page;
 pub mod series;
 mod spec_links;
+pub mod stability_page;
 
 use std::{
     collections::BTreeMap,
@@ -54,6 +57,18 @@ pub fn write(
 ) -> Result<PathBuf, ReportError> {
     let path = folder.join(FILE);
     let text = page(results, series, totals, baseline);
+    fs::create_dir_all(folder)
+        .and_then(|()| fs::write(&path, text))
+        .map_err(|source| ReportError {
+            path: path.clone(),
+            source,
+        })?;
+    Ok(path)
+}
+
+/// Writes a page of its own into the folder, beside the report if there is one. The answer is the path of the file.
+fn write_page(folder: &Path, file: &str, text: &str) -> Result<PathBuf, ReportError> {
+    let path = folder.join(file);
     fs::create_dir_all(folder)
         .and_then(|()| fs::write(&path, text))
         .map_err(|source| ReportError {

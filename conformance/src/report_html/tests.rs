@@ -23,6 +23,7 @@ fn result() -> RunResult {
         max_error: BTreeMap::new(),
         undefined: 0,
         class: Class::WithinTolerance,
+        tolerated: BTreeMap::new(),
         not_run: 0,
         stages: BTreeMap::from([("commit".into(), StageCount::default())]),
     }

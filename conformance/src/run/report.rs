@@ -99,6 +99,7 @@ struct Row {
 pub fn human(results: &[RunResult], totals: &Totals, baseline: &Baseline) -> String {
     let mut text = table(results);
     divergences(&mut text, results, baseline);
+    tolerated(&mut text, results);
     for known in baseline.fixed(results) {
         let _ = writeln!(
             text,
@@ -195,6 +196,49 @@ fn verdict(class: Class) -> &'static str {
     }
 }
 
+/// What passed because a rule of the policy says so, with the rule's reason and the largest errors.
+fn tolerated(text: &mut String, results: &[RunResult]) {
+    let within: Vec<_> = results
+        .iter()
+        .filter(|result| !result.tolerated.is_empty())
+        .collect();
+    for result in within.iter().take(LISTED) {
+        let _ = writeln!(
+            text,
+            "within tolerance: {} {} {} {}",
+            result.scene,
+            result.oracle,
+            result.mode.name(),
+            result.guid
+        );
+        for (rule, count) in &result.tolerated {
+            let _ = writeln!(text, "       {count} times {rule}");
+        }
+        if result.first_divergence.is_none() {
+            errors(text, result);
+        }
+    }
+    if within.len() > LISTED {
+        let more = within.len() - LISTED;
+        let _ = writeln!(
+            text,
+            "... and {more} more within tolerance (all are in --format json)"
+        );
+    }
+}
+
+/// The largest error of each field.
+fn errors(text: &mut String, result: &RunResult) {
+    for (field, error) in &result.max_error {
+        let unit = if error.unit.is_empty() { "" } else { " " };
+        let _ = writeln!(
+            text,
+            "       {field}: up to {:.3e}{unit}{}, {} ulp, in frame {}",
+            error.abs, error.unit, error.ulp, error.frame
+        );
+    }
+}
+
 fn divergences(text: &mut String, results: &[RunResult], baseline: &Baseline) {
     let diverged: Vec<_> = results
         .iter()
@@ -228,14 +272,7 @@ fn divergences(text: &mut String, results: &[RunResult], baseline: &Baseline) {
         if let Some(known) = known {
             let _ = writeln!(text, "       {}", known.reason);
         }
-        for (field, error) in &result.max_error {
-            let unit = if error.unit.is_empty() { "" } else { " " };
-            let _ = writeln!(
-                text,
-                "       {field}: up to {:.3e}{unit}{}, {} ulp, in frame {}",
-                error.abs, error.unit, error.ulp, error.frame
-            );
-        }
+        errors(text, result);
     }
     if diverged.len() > LISTED {
         let _ = writeln!(

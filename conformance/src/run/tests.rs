@@ -133,6 +133,7 @@ fn run_in(path: &Path, slip: Option<u32>, modes: &[Mode]) -> Outcome {
             modes: modes.into(),
             oracle: None,
             profile: None,
+            series: false,
         },
         || (),
     )

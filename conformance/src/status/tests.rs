@@ -29,6 +29,7 @@ fn result(mode: Mode, exact: u64) -> RunResult {
         max_error: BTreeMap::new(),
         undefined: 0,
         class: Class::Exact,
+        tolerated: BTreeMap::new(),
         not_run: 2,
         stages: [("commit".to_owned(), stage)]
             .into_iter()
