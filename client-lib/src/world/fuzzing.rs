@@ -316,7 +316,7 @@ fn list(world: &mut World, recipe: &mut Recipe<'_>) {
         let at = SpheresAt {
             position: &at,
             spheres: &[sphere],
-            is_path: recipe.0.len() % 2 == 0,
+            is_path: recipe.0.len().is_multiple_of(2),
             want_current: true,
         };
         let outcome = land.find_cell_list(at, &mut array, profile);
