@@ -51,7 +51,7 @@ fn clocks(t: &mut Trial) {
             let stage = Stage::new(play).starts(start).frames(dt, 12).frames(DT, 12);
             let run = t.scene(&stage.walker(play, spots::OPEN, 90.0).walks(1));
             let gone = (run.end()[0] - spots::OPEN[0]).abs();
-            t.promise(gone <= 3.2 * 24.0 * dt.abs().max(DT) + 0.5 || dt.is_nan(), || format!("dt {dt} at {start}: went {gone} m"));
+            t.promise(f64::from(gone) <= 3.2 * 24.0 * dt.abs().max(DT) + 0.5 || dt.is_nan(), || format!("dt {dt} at {start}: went {gone} m"));
         }
     }
     // An hour, with a clock that grows.
