@@ -5,8 +5,11 @@
 
 pub mod cli;
 pub mod decode;
+pub mod demo_server;
 pub mod error;
+pub mod fault;
 pub mod format;
 pub mod pcap;
+pub mod play;
 pub mod proxy;
 pub mod relay;

@@ -9,7 +9,7 @@ use std::{
     process::ExitCode,
 };
 
-use ac_client::profile::Profile;
+use ac_client::{dat::DatSet, frame::plan::Outputs, profile::Profile};
 use ac_golden_traces::{
     GoldenError, Scene, corpus,
     import::hash_world,
@@ -19,8 +19,7 @@ use clap::{Parser, Subcommand};
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 use crate::{
-    Simulator,
-    client::ClientSimulator,
+    client::{ClientSimulator, PlanChoice, SceneRun},
     replay::{Detail, replay},
 };
 
@@ -42,6 +41,8 @@ struct Cli {
 enum Command {
     /// Run a scene and write what every tracked entity did as a trace.
     Run(RunArgs),
+    /// Say what can be left out of a scene, and why, or write it as a file for `run --plan`.
+    Plan(crate::plan_cmd::Args),
     /// Look into dat files and check them.
     Dat(crate::dat_cmd::DatArgs),
 }
@@ -59,6 +60,13 @@ struct RunArgs {
     /// Also write what goes into and comes out of every stage of every entity's tick.
     #[arg(long)]
     checkpoints: bool,
+    /// Work that is done: `full` (everything a client does), `auto` (what can change the states), or a file of `ac-replay plan`. The states
+    /// are the same. Default: records are opened when they are first asked for, every entity is advanced in every frame.
+    #[arg(long, value_name = "full|auto|FILE")]
+    plan: Option<String>,
+    /// Carry a plan file out even if it leaves out what may change the states.
+    #[arg(long, requires = "plan")]
+    force_plan: bool,
     /// The trace to write.
     #[arg(short, long)]
     output: PathBuf,
@@ -79,6 +87,10 @@ pub fn main() -> ExitCode {
     };
     let outcome = match cli.command {
         Command::Run(args) => run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Plan(args) => crate::plan_cmd::run(&args).map(|text| {
+            print!("{text}");
+            ExitCode::SUCCESS
+        }),
         Command::Dat(args) => crate::dat_cmd::run(&args, &mut std::io::stdout().lock())
             .map(|verdict| ExitCode::from(verdict.code()))
             .map_err(miette::Report::new),
@@ -121,9 +133,14 @@ fn run(args: &RunArgs) -> miette::Result<()> {
         profile: args.profile.clone(),
         world,
     };
-    let mut simulation = ClientSimulator::new(worlds)
-        .start(&scene, &profile)
-        .into_diagnostic()?;
+    let plan = PlanChoice::parse(args.plan.as_deref(), args.force_plan).into_diagnostic()?;
+    let outputs = Outputs {
+        checkpoints: args.checkpoints,
+    };
+    let simulator = ClientSimulator::new(worlds)
+        .with_plan(plan)
+        .with_outputs(outputs);
+    let mut simulation = simulator.run(&scene, &profile).into_diagnostic()?;
     let detail = if args.checkpoints {
         Detail::Checkpoints
     } else {
@@ -135,7 +152,7 @@ fn run(args: &RunArgs) -> miette::Result<()> {
             .into_diagnostic()
             .wrap_err_with(context)?,
     );
-    let frames = replay(simulation.as_mut(), &scene, &text, &info, detail, out)
+    let frames = replay(&mut simulation, &scene, &text, &info, detail, out)
         .into_diagnostic()
         .wrap_err_with(context)?;
     println!(
@@ -144,11 +161,28 @@ fn run(args: &RunArgs) -> miette::Result<()> {
         scene.track.len(),
         args.output.display()
     );
+    if args.plan.is_some() {
+        let set = simulator.world(&scene.world).into_diagnostic()?;
+        println!("{}", work(&simulation, &set));
+    }
     Ok(())
 }
 
+/// What a run under a plan has cost, in one line.
+fn work(simulation: &SceneRun, set: &DatSet) -> String {
+    let (portal, cell) = set.counts();
+    let late = simulation.extended();
+    format!(
+        "{} records and {} bytes of the dat files; {} entities created late, {} ticks left out",
+        portal.records + cell.records,
+        portal.file_bytes + cell.file_bytes,
+        late.entities,
+        late.frames_put_off
+    )
+}
+
 /// The scene in a file, and its text.
-fn load(path: &Path) -> Result<(Scene, Vec<u8>), GoldenError> {
+pub(crate) fn load(path: &Path) -> Result<(Scene, Vec<u8>), GoldenError> {
     if path
         .extension()
         .is_some_and(|extension| extension == "mcap")

@@ -92,6 +92,14 @@ pub enum SimulationError {
         /// What is wrong.
         reason: String,
     },
+    /// The plan leaves out what may change results.
+    #[error("scene `{scene}`: the plan cannot be used: {reason}")]
+    Plan {
+        /// Name of the scene.
+        scene: String,
+        /// The entry that is wrong.
+        reason: ac_client::frame::plan::PlanError,
+    },
     /// A stage record cannot be understood.
     #[error("stage record: {reason}")]
     Stage {

@@ -137,7 +137,9 @@ mod tests {
             ..Fidelity::RETAIL
         };
         for tick in 0..4 {
-            let skipped = ids.iter().filter(|id| rare.skips_entity(**id, tick, &world));
+            let skipped = ids
+                .iter()
+                .filter(|id| rare.skips_entity(**id, tick, &world));
             assert_eq!(skipped.count(), 1);
         }
         world.local_player = Some(ids[0]);

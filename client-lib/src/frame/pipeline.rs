@@ -41,8 +41,12 @@ impl FrameStage {
 pub trait Host {
     /// Packets and messages.
     fn network(&mut self, _world: &mut World) {}
-    /// Landblocks around the load point.
+    /// Landblocks around the load point: [`Streaming`](crate::world::Streaming) does it as the client does.
     fn streaming(&mut self, _world: &mut World) {}
+    /// An object has been out of sight for 25 s (06 G7): it is deleted, unless the host's objects end otherwise.
+    fn out_of_sight(&mut self, id: EntityId, world: &mut World) {
+        world.delete_entity(id);
+    }
     /// Input and script.
     fn input(&mut self, _world: &mut World) {}
     /// Called directly after the local player was advanced: camera, visibility.
@@ -109,12 +113,26 @@ impl Pipeline {
         probe: &mut P,
     ) {
         world.clock.now = now;
+        world.begin_planned_frame();
         host.network(world);
         host.streaming(world);
+        self.maintain(world, host);
         host.input(world);
         self.entity_tick(world, host, probe);
         host.render(world);
         host.plugin(world);
+    }
+
+    /// Object maintenance, after cells have come and gone (06 G7): what was lost and whose cell was loaded since the frame before re-enters, and
+    /// what has been out of sight for too long ends. In this order: an object that comes back in time stays. An object waits for the next
+    /// frame if its cell is loaded by somebody's move, so that no update changes what another one of the same frame meets.
+    fn maintain(&mut self, world: &mut World, host: &mut impl Host) {
+        world.readmit_lost();
+        for id in world.due_for_destruction() {
+            if world.local_player != Some(id) {
+                host.out_of_sight(id, world);
+            }
+        }
     }
 
     /// Advances every entity, in order of registration, then the animations of static ones (06 B1).
@@ -135,6 +153,7 @@ impl Pipeline {
         // What is created meanwhile is first visited in the next frame.
         self.order.clear();
         self.order.extend_from_slice(world.entities.table());
+        world.set_in_tick(true);
         for &id in &self.order {
             if !world.entities.is_registered(id) {
                 continue;
@@ -147,6 +166,7 @@ impl Pipeline {
                 host.player_updated(world);
             }
         }
+        world.set_in_tick(false);
         world.animate_statics();
         self.last_update = world.clock.now;
     }

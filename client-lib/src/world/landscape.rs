@@ -94,6 +94,8 @@ pub struct Landscape {
     pub(super) animated_statics: Vec<StaticId>,
     /// Some shadow records may name cells of released blocks.
     pub(super) has_unlinked: bool,
+    /// Only what was loaded on purpose is there: lookups find nothing missing.
+    window_only: bool,
 }
 
 impl Default for Landscape {
@@ -124,7 +126,16 @@ impl Landscape {
             absent_rooms: 0,
             animated_statics: Vec::new(),
             has_unlinked: false,
+            window_only: false,
         }
+    }
+
+    /// Where cells come from (`spec/03-cells.md`, 7): everything is there, loaded when it is first needed (the default, and what the
+    /// reconstructions do), or, `only` the window: what nobody has [loaded](super::World::load) is not there.
+    pub fn set_window_only(&mut self, only: bool) {
+        self.window_only = only;
+        // Records of cells that come later are to be linked then.
+        self.has_unlinked |= only;
     }
 
     /// The records that the map is loaded from.
@@ -152,13 +163,19 @@ impl Landscape {
         }
     }
 
-    fn visible_land_cell(&self, id: CellId, missing: &mut Missing) -> Option<CellHandle> {
+    #[inline]
+    pub(super) fn visible_land_cell(
+        &self,
+        id: CellId,
+        missing: &mut Missing,
+    ) -> Option<CellHandle> {
         let index = id.low().wrapping_sub(1);
         if index >= CELLS as u32 {
             return None;
         }
         match self.block_table[usize::from(id.block())] {
             ABSENT => None,
+            UNKNOWN if self.window_only => None,
             UNKNOWN => {
                 // Also for blocks without a record: the loader notes that they are absent, and they are not asked for again.
                 if id.block_coord().is_some() {
@@ -187,13 +204,13 @@ impl Landscape {
             Some(BROKEN) => None,
             Some(slot) => {
                 let cell = self.env_cells.get(slot as usize)?.as_deref()?;
-                if !cell.statics_made && !without_statics {
+                if !cell.statics_made && !without_statics && !self.window_only {
                     missing.note(demand);
                 }
                 Some(CellHandle(slot | INDOOR))
             }
             None => {
-                if id.low() <= 0xFFFD && self.may_exist(id) {
+                if id.low() <= 0xFFFD && !self.window_only && self.may_exist(id) {
                     missing.note(demand);
                 }
                 None
@@ -310,6 +327,20 @@ impl Landscape {
             .flatten()
             .filter(|&&(_, slot)| slot != BROKEN)
             .map(|&(_, slot)| CellHandle(slot | INDOOR))
+    }
+
+    /// Blocks (0xXXYYFFFF) and indoor cells that are loaded, in no order.
+    pub(crate) fn loaded_members(&self) -> impl Iterator<Item = u32> {
+        let rooms = self.env_cells.iter().filter_map(Option::as_deref);
+        self.blocks()
+            .map(|block| block.id.0)
+            .chain(rooms.map(|room| room.base.id.0))
+    }
+
+    /// Whether something of a block, by the upper half of its id, was asked for already.
+    pub(crate) fn has_loaded(&self, block: u16) -> bool {
+        let block = usize::from(block);
+        self.block_table[block] != UNKNOWN || self.room_table[block] != UNKNOWN
     }
 
     /// A loaded static object.

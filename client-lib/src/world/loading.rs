@@ -92,6 +92,15 @@ impl World {
 
     /// Loads one block or indoor cell and what its static objects reach. Afterwards the demand is met: what cannot be had counts as absent.
     pub fn load(&mut self, demand: Demand) {
+        if self.plan.is_some() {
+            self.load_planned(demand);
+        } else {
+            self.load_alone(demand);
+        }
+    }
+
+    /// As [`World::load`], without what a plan has put off.
+    pub(crate) fn load_alone(&mut self, demand: Demand) {
         let mut cells = std::mem::take(&mut self.loading_cells);
         let mut tasks = Vec::new();
         tasks.extend(self.begin(demand));
@@ -171,6 +180,7 @@ impl World {
             stab_list: Vec::new(),
             info,
         });
+        self.lost.arrive(id);
         self.init_buildings(id);
         Some(Task::Block(BlockTask {
             block: id,
@@ -367,7 +377,9 @@ impl World {
             None => {
                 let record = self.resources.found(self.land.source.env_cell(id));
                 let made = record.and_then(|record| self.make_env_cell(id, record));
-                self.land.insert_env_cell(id, made)?
+                let cell = self.land.insert_env_cell(id, made)?;
+                self.lost.arrive(id);
+                cell
             }
         };
         let connected = self.profile.env_cell_statics == EnvCellStatics::ConnectedSet;
@@ -485,7 +497,8 @@ impl World {
         object.place(position, &self.profile);
         object.body.cell = Some(cell);
         object.update_time = self.clock.now;
-        let animated = object.body.state.contains(PhysicsState::HAS_DEFAULT_ANIM);
+        let animated = object.body.state.contains(PhysicsState::HAS_DEFAULT_ANIM)
+            && !self.leaves_still(&object);
         let id = self.land.insert_static(object);
         if animated {
             self.land.animated_statics.push(id);

@@ -252,5 +252,9 @@ fn named(subject: &Subject) -> String {
         return "analytic".into();
     }
     let trace = format!("{}{}", subject.scene.name, corpus::TRACE_SUFFIX);
-    corpus::bundled().join("traces").join(trace).display().to_string()
+    corpus::bundled()
+        .join("traces")
+        .join(trace)
+        .display()
+        .to_string()
 }

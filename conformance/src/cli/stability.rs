@@ -97,7 +97,11 @@ fn measure(args: &Args, simulator: &ClientSimulator) -> miette::Result<Report> {
         bundled(&paths, args, simulator)?
     };
     let changes: &[Change] = if args.quick {
-        &[Change::PlaceUlps(1), Change::Place(1e-4), Change::FrameUlps(1)]
+        &[
+            Change::PlaceUlps(1),
+            Change::Place(1e-4),
+            Change::FrameUlps(1),
+        ]
     } else {
         &Change::ALL
     };
@@ -110,7 +114,8 @@ fn measure(args: &Args, simulator: &ClientSimulator) -> miette::Result<Report> {
     }
     if report.cases.is_empty() && report.scenes.is_empty() {
         return Err(miette!(
-            help = "cases are called like 05/14 (docs/stability.md lists them), traces end in .mcap",
+            help =
+                "cases are called like 05/14 (docs/stability.md lists them), traces end in .mcap",
             "there is nothing to run"
         ));
     }

@@ -89,9 +89,10 @@ fn run_counted(valgrind: &Path, arguments: &[String], folder: &Path) -> Option<V
         let Ok(text) = std::fs::read_to_string(folder.join(format!("out.{number}"))) else {
             break;
         };
-        let line = text
-            .lines()
-            .find_map(|line| line.strip_prefix("summary:").or(line.strip_prefix("totals:")))?;
+        let line = text.lines().find_map(|line| {
+            line.strip_prefix("summary:")
+                .or(line.strip_prefix("totals:"))
+        })?;
         counts.push(line.split_whitespace().next()?.parse().ok()?);
     }
     Some(counts)

@@ -138,7 +138,9 @@ pub fn full(profile: &'static str) -> Vec<Setting> {
     for other in PROFILES.into_iter().filter(|name| *name != profile) {
         grid.extend(PROFILE_QUANTA.map(|quanta| Setting {
             axis: Axis::Profile,
-            name: quanta.map_or(other.into(), |per_second| format!("{other}, q 1/{per_second}")),
+            name: quanta.map_or(other.into(), |per_second| {
+                format!("{other}, q 1/{per_second}")
+            }),
             quanta_per_second: quanta,
             ..Setting::own(other)
         }));

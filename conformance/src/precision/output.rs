@@ -115,7 +115,8 @@ fn rows(text: &mut String, lab: &SceneLab) {
         "setting", "per second", "instructions", "oracle", "reference", "solution", "smooth"
     );
     for row in &lab.rows {
-        let max = |found: Option<super::track::Distance>| found.map_or("–".into(), |f| length(f.max));
+        let max =
+            |found: Option<super::track::Distance>| found.map_or("–".into(), |f| length(f.max));
         let _ = writeln!(
             text,
             "{} {:<22} {:>11} {:>12} {:>10} {:>10} {:>10} {:>10}",

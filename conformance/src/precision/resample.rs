@@ -10,7 +10,11 @@ const SLACK: f64 = 1e-9;
 /// (tag `clock`), or where there would be none.
 pub fn at_rate(scene: &Scene, rate: u32) -> Option<Scene> {
     let unsuitable = scene.features.iter().any(|tag| tag == "clock") || scene.area() == "clock";
-    let length: f64 = scene.frames.iter().map(|run| run.dt * f64::from(run.count)).sum();
+    let length: f64 = scene
+        .frames
+        .iter()
+        .map(|run| run.dt * f64::from(run.count))
+        .sum();
     let count = (length * f64::from(rate) - SLACK).ceil();
     if unsuitable || !(1.0..1e8).contains(&count) {
         return None;

@@ -95,7 +95,12 @@ fn error(first: &Sample, last: &Sample, forces: &Forces) -> SmoothError {
         rotation: first.rotation,
     };
     let seconds = last.time - first.time;
-    let converged = richardson(start, forces, seconds, (seconds * 240.0).ceil().max(8.0) as u32);
+    let converged = richardson(
+        start,
+        forces,
+        seconds,
+        (seconds * 240.0).ceil().max(8.0) as u32,
+    );
     SmoothError {
         max: distance(last.place, converged.place),
         phases: 1,
@@ -115,7 +120,11 @@ mod tests {
             Sample {
                 clock: t,
                 time: t,
-                place: [4.0 * t + kick * (t - 1.0).max(0.0), 0.0, 100.0 - 4.9 * t * t],
+                place: [
+                    4.0 * t + kick * (t - 1.0).max(0.0),
+                    0.0,
+                    100.0 - 4.9 * t * t,
+                ],
                 rotation: [1.0, 0.0, 0.0, 0.0],
                 velocity: [4.0 + kick, 0.0, -9.8 * t],
                 acceleration: [0.0, 0.0, -9.8],

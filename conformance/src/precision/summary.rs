@@ -62,12 +62,9 @@ fn slope(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let n = points.len() as f64;
     let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
     let (mx, my) = (mean(|p| p.0), mean(|p| p.1));
-    let sum = |f: &dyn Fn(f64, f64) -> f64| points.iter().map(|p| f(p.0 - mx, p.1 - my)).sum::<f64>();
-    let (xx, xy, yy) = (
-        sum(&|x, _| x * x),
-        sum(&|x, y| x * y),
-        sum(&|_, y| y * y),
-    );
+    let sum =
+        |f: &dyn Fn(f64, f64) -> f64| points.iter().map(|p| f(p.0 - mx, p.1 - my)).sum::<f64>();
+    let (xx, xy, yy) = (sum(&|x, _| x * x), sum(&|x, y| x * y), sum(&|_, y| y * y));
     if xx == 0.0 {
         return None;
     }
@@ -187,7 +184,9 @@ fn recommend(class: &str, labs: &[&SceneLab], against: Against) -> Option<Recomm
         against,
         setting: cheapest.map(|(setting, _)| setting.name.clone()),
         error: cheapest.map(|(_, c)| c.worst),
-        ns_per_second: cheapest.filter(|(_, c)| c.timed).map(|(_, c)| per_second(c)),
+        ns_per_second: cheapest
+            .filter(|(_, c)| c.timed)
+            .map(|(_, c)| per_second(c)),
         good: best.1.good,
         scenes,
     })
@@ -239,7 +238,10 @@ mod tests {
         assert!(matches!(order(&power(1.0)), Order::Power(p) if (p - 1.0).abs() < 1e-9));
         assert!(matches!(order(&power(2.0)), Order::Power(p) if (p - 2.0).abs() < 1e-9));
         assert_eq!(order(&power(0.0)), Order::None);
-        assert_eq!(order(&[10, 20, 40].map(|n| row(n, 1.0, 1e-5))), Order::Exact);
+        assert_eq!(
+            order(&[10, 20, 40].map(|n| row(n, 1.0, 1e-5))),
+            Order::Exact
+        );
         assert_eq!(order(&[]), Order::Unknown);
     }
 

@@ -52,7 +52,12 @@ fn the_client_converges_with_the_order_of_its_step() {
 #[test]
 fn the_reference_of_small_quanta_is_near_the_truth() {
     for lab in labs(vec![Setting::own(PROFILE)]) {
-        assert!(lab.uncertainty.unwrap() < 0.02, "{}: {:?}", lab.scene, lab.uncertainty);
+        assert!(
+            lab.uncertainty.unwrap() < 0.02,
+            "{}: {:?}",
+            lab.scene,
+            lab.uncertainty
+        );
     }
 }
 

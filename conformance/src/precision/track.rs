@@ -285,7 +285,11 @@ fn between(samples: &[Sample], time: f64) -> Option<([f64; 3], [f64; 4])> {
         let line = last.place[i] + (next.place[i] - last.place[i]) * share;
         let bend = last.velocity[i] - next.velocity[i];
         let falls = last.ground.is_none() && next.ground.is_none();
-        line + if falls && bend.abs() <= 10.0 * gap { bend * bow } else { 0.0 }
+        line + if falls && bend.abs() <= 10.0 * gap {
+            bend * bow
+        } else {
+            0.0
+        }
     });
     let rotation = if share < 0.5 {
         last.rotation

@@ -9,8 +9,8 @@ mod encode;
 mod plot;
 pub mod precision_page;
 pub mod series;
-pub mod stability_page;
 mod spec_links;
+pub mod stability_page;
 
 use std::{
     collections::BTreeMap,

@@ -74,7 +74,13 @@ struct Scale {
 
 impl Scale {
     fn new(axis: Axis, numbers: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
-        let value = |n: f64| if axis.log { n.max(axis.floor).log10() } else { n };
+        let value = |n: f64| {
+            if axis.log {
+                n.max(axis.floor).log10()
+            } else {
+                n
+            }
+        };
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for number in numbers.filter(|n| n.is_finite()).map(value) {
             low = low.min(number);
@@ -111,7 +117,11 @@ impl Scale {
         if self.axis.log {
             let (first, last) = (self.low.ceil() as i32, self.high.floor() as i32);
             // Within one decade its halves and fifths help.
-            let parts: &[f64] = if last - first < 2 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+            let parts: &[f64] = if last - first < 2 {
+                &[1.0, 2.0, 5.0]
+            } else {
+                &[1.0]
+            };
             let every = ((last - first) / 8).max(1);
             return (first - 1..=last)
                 .filter(|decade| decade.rem_euclid(every) == 0)
@@ -240,7 +250,8 @@ fn labels(text: &mut String, series: &[Series], x: &Scale, y: &Scale) {
         ];
         let free = places.into_iter().find(|(lx, ly)| {
             let own = [*lx, ly - 10.0, lx + long, ly + 2.0];
-            let inside = own[0] > LEFT && own[2] < WIDTH && own[1] > 0.0 && own[3] < HEIGHT - BOTTOM;
+            let inside =
+                own[0] > LEFT && own[2] < WIDTH && own[1] > 0.0 && own[3] < HEIGHT - BOTTOM;
             inside && !taken.iter().any(|other| overlap(&own, other))
         });
         if let Some((lx, ly)) = free {

@@ -173,8 +173,16 @@ fn section(body: &mut String, class: &str, labs: &[&SceneLab]) {
         } else {
             format!("worst of {} scenes", labs.len())
         };
-        card(body, &format!("{what}: error against run time"), &work(&labs, error));
-        card(body, &format!("{what}: error against quantum"), &convergence(&labs, error));
+        card(
+            body,
+            &format!("{what}: error against run time"),
+            &work(&labs, error),
+        );
+        card(
+            body,
+            &format!("{what}: error against quantum"),
+            &convergence(&labs, error),
+        );
     }
     body.push_str("</div>");
     let _ = write!(
@@ -243,7 +251,12 @@ fn work(labs: &[&SceneLab], error: Axis) -> String {
             x: *ns,
             y: *far,
             label: (front || setting.axis == grid::Axis::Own).then(|| setting.name.clone()),
-            title: format!("{}: {}, {}", setting.name, duration(*ns), (error.text)(*far)),
+            title: format!(
+                "{}: {}, {}",
+                setting.name,
+                duration(*ns),
+                (error.text)(*far)
+            ),
             strong: front,
         });
     }

@@ -10,15 +10,13 @@ use super::{
     ReportError,
     plot::{self, Axis, Point, Series, escape},
 };
-use crate::{
-    stability::{
-        ensemble::{Class, Ensemble},
-        generators,
-        invariants::Violation,
-        lab::Report,
-        output::sentence,
-        trial::Verdict,
-    },
+use crate::stability::{
+    ensemble::{Class, Ensemble},
+    generators,
+    invariants::Violation,
+    lab::Report,
+    output::sentence,
+    trial::Verdict,
 };
 
 /// Name of the file in the folder of the report.
@@ -69,7 +67,10 @@ fn tiles(body: &mut String, report: &Report) {
     let tiles = [
         (report.cases.len() as u64, "listed cases"),
         (of(Verdict::Holds) as u64, "hold"),
-        (of(Verdict::AsRetail) as u64, "violate a rule as retail does"),
+        (
+            of(Verdict::AsRetail) as u64,
+            "violate a rule as retail does",
+        ),
         (of(Verdict::NoCode) as u64, "without code in this library"),
         (report.ours() as u64, "violations of ours"),
         (checks, "checks"),
@@ -97,7 +98,10 @@ fn ensembles(body: &mut String, ensembles: &[Ensemble]) {
     body.push_str("<th>Parted by</th></tr></thead><tbody>");
     let mut areas: BTreeMap<&str, Vec<&Ensemble>> = BTreeMap::new();
     for ensemble in ensembles {
-        areas.entry(area(&ensemble.scene)).or_default().push(ensemble);
+        areas
+            .entry(area(&ensemble.scene))
+            .or_default()
+            .push(ensemble);
     }
     for (area, ensembles) in &areas {
         let _ = write!(body, "<tr><td>{}</td>", escape(area));
@@ -106,10 +110,17 @@ fn ensembles(body: &mut String, ensembles: &[Ensemble]) {
             let _ = write!(body, "<td class=\"n\">{count}</td>");
         }
         let mut kinds: BTreeMap<&str, usize> = BTreeMap::new();
-        for event in ensembles.iter().flat_map(|e| &e.members).filter_map(|m| m.event.as_ref()) {
+        for event in ensembles
+            .iter()
+            .flat_map(|e| &e.members)
+            .filter_map(|m| m.event.as_ref())
+        {
             *kinds.entry(event.kind).or_default() += 1;
         }
-        let kinds: Vec<String> = kinds.iter().map(|(kind, n)| format!("{kind} ({n})")).collect();
+        let kinds: Vec<String> = kinds
+            .iter()
+            .map(|(kind, n)| format!("{kind} ({n})"))
+            .collect();
         let _ = write!(body, "<td>{}</td></tr>", kinds.join(", "));
     }
     body.push_str("</tbody></table></div>");
@@ -131,8 +142,17 @@ fn area(scene: &str) -> &str {
 fn plots(body: &mut String, ensembles: &[Ensemble]) {
     let largest = |e: &Ensemble| e.members.iter().map(|m| m.max).fold(0.0, f64::max);
     let mut sorted: Vec<&Ensemble> = ensembles.iter().collect();
-    sorted.sort_by(|a, b| b.class.cmp(&a.class).then(largest(b).total_cmp(&largest(a))));
-    for (class, open) in [(Class::Discontinuous, true), (Class::Growing, true), (Class::Neutral, false), (Class::Contractive, false)] {
+    sorted.sort_by(|a, b| {
+        b.class
+            .cmp(&a.class)
+            .then(largest(b).total_cmp(&largest(a)))
+    });
+    for (class, open) in [
+        (Class::Discontinuous, true),
+        (Class::Growing, true),
+        (Class::Neutral, false),
+        (Class::Contractive, false),
+    ] {
         let of: Vec<&&Ensemble> = sorted.iter().filter(|e| e.class == class).collect();
         if of.is_empty() {
             continue;
@@ -143,7 +163,11 @@ fn plots(body: &mut String, ensembles: &[Ensemble]) {
             "<details><summary>{}: {} scenes{}</summary><div class=\"grid\">",
             class.name(),
             of.len(),
-            if shown < of.len() { format!(", the {shown} that differ most") } else { String::new() }
+            if shown < of.len() {
+                format!(", the {shown} that differ most")
+            } else {
+                String::new()
+            }
         );
         for ensemble in &of[..shown] {
             plot_of(body, ensemble);
@@ -166,14 +190,17 @@ fn plot_of(body: &mut String, ensemble: &Ensemble) {
             let event = member.event.as_ref();
             let mut points: Vec<Point> = Vec::new();
             for (frame, apart) in &member.series {
-                let at_event = event.is_some_and(|e| e.frame <= *frame)
-                    && !points.iter().any(|p| p.strong);
+                let at_event =
+                    event.is_some_and(|e| e.frame <= *frame) && !points.iter().any(|p| p.strong);
                 points.push(Point {
                     x: f64::from(*frame),
                     y: *apart,
                     strong: at_event,
-                    title: event.map_or(String::new(), |e| format!("{} in frame {}", e.kind, e.frame)),
-                    label: (at_event && color == 0).then(|| event.map_or("", |e| e.kind).to_owned()),
+                    title: event.map_or(String::new(), |e| {
+                        format!("{} in frame {}", e.kind, e.frame)
+                    }),
+                    label: (at_event && color == 0)
+                        .then(|| event.map_or("", |e| e.kind).to_owned()),
                 });
             }
             Series {
@@ -232,9 +259,10 @@ fn cases(body: &mut String, report: &Report) {
                 case.id,
                 escape(&case.title),
                 details(&case.violations),
-                case.note
-                    .as_deref()
-                    .map_or(String::new(), |note| format!("<br><span class=\"small\">{}</span>", escape(note))),
+                case.note.as_deref().map_or(String::new(), |note| format!(
+                    "<br><span class=\"small\">{}</span>",
+                    escape(note)
+                )),
                 color(case.verdict),
                 case.verdict.name(),
                 case.checks,
@@ -286,7 +314,9 @@ fn color(verdict: Verdict) -> &'static str {
 fn details(violations: &[Violation]) -> String {
     let mut text = String::new();
     for violation in violations {
-        let frame = violation.frame.map_or(String::new(), |f| format!(", frame {f}"));
+        let frame = violation
+            .frame
+            .map_or(String::new(), |f| format!(", frame {f}"));
         let _ = write!(
             text,
             "<div class=\"small\">{}{frame}: {} — {}</div>",
@@ -297,4 +327,3 @@ fn details(violations: &[Violation]) -> String {
     }
     text
 }
-

@@ -173,7 +173,11 @@ pub fn run(
     }
     Ok(Ensemble {
         scene: scene.name.clone(),
-        class: members.iter().map(|m| m.class).max().unwrap_or(Class::Neutral),
+        class: members
+            .iter()
+            .map(|m| m.class)
+            .max()
+            .unwrap_or(Class::Neutral),
         members,
     })
 }
@@ -236,7 +240,9 @@ fn discrete(a: &FrameState, b: &FrameState) -> Option<&'static str> {
         return Some("collision");
     }
     let moving = |s: &FrameState| {
-        let motion = s.motion.map(|m| (m.style, m.substate, m.forward, m.sidestep, m.turn));
+        let motion = s
+            .motion
+            .map(|m| (m.style, m.substate, m.forward, m.sidestep, m.turn));
         (motion, s.anim.as_ref().map(|a| (a.id, a.queue.len())))
     };
     (moving(a) != moving(b) || a.events != b.events).then_some("motion")
@@ -245,11 +251,17 @@ fn discrete(a: &FrameState, b: &FrameState) -> Option<&'static str> {
 fn member(change: Change, base: &[Vec<FrameState>], other: &[Vec<FrameState>]) -> Member {
     let apart: Vec<(f64, Option<&'static str>)> =
         base.iter().zip(other).map(|(a, b)| apart(a, b)).collect();
-    let start = apart.iter().map(|(d, _)| *d).find(|d| *d > 0.0).unwrap_or(0.0);
+    let start = apart
+        .iter()
+        .map(|(d, _)| *d)
+        .find(|d| *d > 0.0)
+        .unwrap_or(0.0);
     let max = apart.iter().map(|(d, _)| *d).fold(0.0, f64::max);
     let end = apart.last().map_or(0.0, |(d, _)| *d);
     let event = event(&apart, start);
-    let until = event.as_ref().map_or(apart.len(), |e| (e.frame + 1).max(0) as usize);
+    let until = event
+        .as_ref()
+        .map_or(apart.len(), |e| (e.frame + 1).max(0) as usize);
     let class = if event.is_some() {
         Class::Discontinuous
     } else if max > start * GROWN && max > 1e-5 {

@@ -210,16 +210,30 @@ impl Watch {
     }
 
     fn finite(&self, state: &FrameState) -> Check {
-        let all = [state.origin, state.velocity, state.acceleration, state.omega];
-        let finite = all.iter().flatten().chain(&state.rotation).all(|n| n.is_finite());
-        self.finite
-            .then(|| ensure(finite, || format!("origin {:?}, velocity {:?}", state.origin, state.velocity)))
+        let all = [
+            state.origin,
+            state.velocity,
+            state.acceleration,
+            state.omega,
+        ];
+        let finite = all
+            .iter()
+            .flatten()
+            .chain(&state.rotation)
+            .all(|n| n.is_finite());
+        self.finite.then(|| {
+            ensure(finite, || {
+                format!("origin {:?}, velocity {:?}", state.origin, state.velocity)
+            })
+        })
     }
 
     fn tunnel(&self, state: &FrameState) -> Check {
         let [low, high] = self.closed?;
         let inside = (0..3).all(|i| (low[i]..=high[i]).contains(&state.origin[i]));
-        Some(ensure(inside, || format!("outside the closed room at {:?}", state.origin)))
+        Some(ensure(inside, || {
+            format!("outside the closed room at {:?}", state.origin)
+        }))
     }
 
     /// What has not changed for long changes by an input or a touch only.
@@ -233,29 +247,51 @@ impl Watch {
             || !last.collisions.is_empty()
             || entity.position_manager.is_some()
             || entity.body.parent.is_some()
-            || state.motion.is_some_and(|m| !is_ready(m.forward) || m.turn != 0 || m.sidestep != 0)
+            || state
+                .motion
+                .is_some_and(|m| !is_ready(m.forward) || m.turn != 0 || m.sidestep != 0)
             || state.velocity != [0.0; 3]
             || state.omega != [0.0; 3];
         let settled = known.still >= SETTLED;
-        known.still = if same && !disturbed { known.still + 1 } else { 0 };
+        known.still = if same && !disturbed {
+            known.still + 1
+        } else {
+            0
+        };
         (settled && !disturbed).then(|| {
-            ensure(same, || format!("moved from {:?} to {:?} by itself", last.origin, state.origin))
+            ensure(same, || {
+                format!(
+                    "moved from {:?} to {:?} by itself",
+                    last.origin, state.origin
+                )
+            })
         })
     }
 
     fn depth(&self, state: &FrameState, entity: &Entity, run: &SceneRun) -> Check {
         let outdoors = state.cell & 0xFFFF < 0x100;
-        let solid = !entity.body.state.intersects(PhysicsState::ETHEREAL | PhysicsState::STATIC);
-        let spheres = entity.body.part_array.as_ref().is_some_and(|p| !p.spheres().is_empty());
+        let solid = !entity
+            .body
+            .state
+            .intersects(PhysicsState::ETHEREAL | PhysicsState::STATIC);
+        let spheres = entity
+            .body
+            .part_array
+            .as_ref()
+            .is_some_and(|p| !p.spheres().is_empty());
         if !(outdoors && solid && spheres && self.legal) || entity.body.parent.is_some() {
             return None;
         }
         let world = &run.world;
-        let height = world.land.terrain_height(&entity.body.position, &world.profile)?;
+        let height = world
+            .land
+            .terrain_height(&entity.body.position, &world.profile)?;
         let wet = entity.kin.transient.contains(TransientState::WATER_CONTACT);
         let room = DEPTH + if wet { WATER } else { 0.0 };
         let z = state.origin[2];
-        Some(ensure(z >= height - room, || format!("{} m below the ground", height - z)))
+        Some(ensure(z >= height - room, || {
+            format!("{} m below the ground", height - z)
+        }))
     }
 
     /// Kinetic and potential energy of what nobody drives.
@@ -263,7 +299,11 @@ impl Watch {
         let frame = u32::try_from(state.frame).unwrap_or(0);
         let falls = entity.body.state.contains(PhysicsState::GRAVITY);
         let [vx, vy, vz] = state.velocity.map(f64::from);
-        let height = if falls { 9.8 * f64::from(state.origin[2]) } else { 0.0 };
+        let height = if falls {
+            9.8 * f64::from(state.origin[2])
+        } else {
+            0.0
+        };
         let now = 0.5 * (vx * vx + vy * vy + vz * vz) + height;
         let before = known.energy.replace(now);
         let alone = entity.movement.is_none()
@@ -271,12 +311,21 @@ impl Watch {
             && entity.body.parent.is_none()
             && self.legal
             && !self.scripted.contains(&frame)
-            && state.collisions.iter().all(|c| *c == ac_client::frame::state::Collision::Environment);
+            && state
+                .collisions
+                .iter()
+                .all(|c| *c == ac_client::frame::state::Collision::Environment);
         let touched = !state.collisions.is_empty() || state.contact_plane.is_some();
-        let step = entity.body.part_array.as_ref().map_or(0.0, |p| p.step_up_height());
+        let step = entity
+            .body
+            .part_array
+            .as_ref()
+            .map_or(0.0, |p| p.step_up_height());
         let room = ENERGY + 9.8 * f64::from(step) + 1e-3 * now.abs();
         let before = before.filter(|_| alone && touched)?;
-        Some(ensure(now <= before + room, || format!("from {before:.3} to {now:.3} J/kg")))
+        Some(ensure(now <= before + room, || {
+            format!("from {before:.3} to {now:.3} J/kg")
+        }))
     }
 
     fn cell(&self, state: &FrameState) -> Check {
@@ -288,7 +337,9 @@ impl Watch {
         let (x, y) = (column((low - 1) / 8), column((low - 1) % 8));
         let within = |p: f32, from: f32| (from - BORDER..=from + 24.0 + BORDER).contains(&p);
         let agrees = within(state.origin[0], x) && within(state.origin[1], y);
-        Some(ensure(agrees, || format!("cell {:#X}, origin {:?}", state.cell, state.origin)))
+        Some(ensure(agrees, || {
+            format!("cell {:#X}, origin {:?}", state.cell, state.origin)
+        }))
     }
 }
 
@@ -331,7 +382,13 @@ fn inputs(scene: &Scene) -> Vec<f32> {
         numbers.extend(spec.position.rotation);
         numbers.extend(spec.velocity);
         numbers.extend(spec.omega);
-        numbers.extend([spec.scale, spec.friction, spec.elasticity, spec.run_rate, spec.jump_velocity]);
+        numbers.extend([
+            spec.scale,
+            spec.friction,
+            spec.elasticity,
+            spec.run_rate,
+            spec.jump_velocity,
+        ]);
     }
     for step in &scene.script {
         match &step.action {
@@ -342,12 +399,18 @@ fn inputs(scene: &Scene) -> Vec<f32> {
                 numbers.extend(position.origin);
                 numbers.extend(position.rotation);
             }
-            Action::ConstrainTo { position, start, .. } => {
+            Action::ConstrainTo {
+                position, start, ..
+            } => {
                 numbers.extend(position.origin);
                 numbers.push(*start);
             }
-            Action::DoMotion { speed, .. } | Action::DoInterpretedMotion { speed, .. } => numbers.push(*speed),
-            Action::SetHeading { heading } | Action::TurnToHeading { heading, .. } => numbers.push(*heading),
+            Action::DoMotion { speed, .. } | Action::DoInterpretedMotion { speed, .. } => {
+                numbers.push(*speed)
+            }
+            Action::SetHeading { heading } | Action::TurnToHeading { heading, .. } => {
+                numbers.push(*heading)
+            }
             Action::Create { entity } => numbers.extend(entity.velocity),
             _ => {}
         }

@@ -214,7 +214,9 @@ fn time_of_day(
     let retail = if quanta(&early) != quanta(&late) {
         Some("06 H4.1: a frame at the gate of 1/30 s is a quantum or not by rounding of the clock")
     } else if unstable {
-        Some("06 H4.1: remainders of the clock are rounded, and the scene amplifies rounding (see its ensemble)")
+        Some(
+            "06 H4.1: remainders of the clock are rounded, and the scene amplifies rounding (see its ensemble)",
+        )
     } else {
         None
     };
@@ -270,14 +272,32 @@ pub fn plain(play: &Playground) -> Vec<(&'static str, Stage)> {
     let stage = || Stage::new(play).frames(0.04, 200);
     let inside = play.rooms | halls::CLOSED_CELL;
     vec![
-        ("roll", stage().thrown(play.ball, spots::OPEN, [6.0, 3.0, 0.0])),
-        ("fall", stage().thrown(play.ball, [30.0, 100.0, 20.0], [2.0, 0.0, 0.0])),
+        (
+            "roll",
+            stage().thrown(play.ball, spots::OPEN, [6.0, 3.0, 0.0]),
+        ),
+        (
+            "fall",
+            stage().thrown(play.ball, [30.0, 100.0, 20.0], [2.0, 0.0, 0.0]),
+        ),
         ("walk", stage().walker(play, spots::OPEN, 45.0).walks(5)),
         ("wall", stage().walker(play, spots::WALL, 60.0).walks(5)),
-        ("corner", stage().walker(play, [146.0, 56.0, 0.0], 30.0).walks(5)),
-        ("wedge", stage().walker(play, [150.0, 140.2, 0.0], 90.0).walks(5)),
-        ("step", stage().walker(play, [33.0, 20.0, 0.0], 90.0).walks(5)),
-        ("ramp", stage().walker(play, [9.0, 176.0, 0.0], 90.0).walks(5)),
+        (
+            "corner",
+            stage().walker(play, [146.0, 56.0, 0.0], 30.0).walks(5),
+        ),
+        (
+            "wedge",
+            stage().walker(play, [150.0, 140.2, 0.0], 90.0).walks(5),
+        ),
+        (
+            "step",
+            stage().walker(play, [33.0, 20.0, 0.0], 90.0).walks(5),
+        ),
+        (
+            "ramp",
+            stage().walker(play, [9.0, 176.0, 0.0], 90.0).walks(5),
+        ),
         (
             "spin",
             stage().entity(play.ball, [30.0, 100.0, 50.0], |spec| {
@@ -364,11 +384,16 @@ fn reordered(play: &Playground) -> SceneResult {
         (Ok((one, _)), Ok((two, _))) => (one, two),
         (Err(error), _) | (_, Err(error)) => return failed(name, &error.to_string()),
     };
-    let violations = (0..2).filter(|i| one.bits(*i) != two.bits(*i)).map(|i| Violation {
-        invariant: Invariant::EntityOrder,
-        frame: None,
-        detail: format!("{:#X} moves otherwise when created in another order", GUID + i as u32),
-        retail: None,
-    });
+    let violations = (0..2)
+        .filter(|i| one.bits(*i) != two.bits(*i))
+        .map(|i| Violation {
+            invariant: Invariant::EntityOrder,
+            frame: None,
+            detail: format!(
+                "{:#X} moves otherwise when created in another order",
+                GUID + i as u32
+            ),
+            retail: None,
+        });
     SceneResult::new(name, 2, one.frames(), violations.collect())
 }

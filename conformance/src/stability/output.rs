@@ -99,7 +99,12 @@ fn ensembles(text: &mut String, ensembles: &[Ensemble]) {
             continue;
         };
         let event = member.event.as_ref().map_or(String::new(), |event| {
-            format!("{} in frame {} ({})", event.kind, event.frame, member.change.name())
+            format!(
+                "{} in frame {} ({})",
+                event.kind,
+                event.frame,
+                member.change.name()
+            )
         });
         let _ = writeln!(
             text,
@@ -125,7 +130,11 @@ pub fn sentence(report: &Report) -> String {
         of(Verdict::NoCode),
         of(Verdict::Ours),
         report.scenes.len(),
-        report.scenes.iter().filter(|s| s.verdict == Verdict::Ours).count(),
+        report
+            .scenes
+            .iter()
+            .filter(|s| s.verdict == Verdict::Ours)
+            .count(),
         report.ensembles.len(),
         class(Class::Contractive),
         class(Class::Neutral),

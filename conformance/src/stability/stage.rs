@@ -90,7 +90,12 @@ impl Stage {
 
     /// Adds an entity that the caller describes further.
     #[must_use]
-    pub fn entity(mut self, setup: u32, origin: [f32; 3], change: impl FnOnce(&mut EntitySpec)) -> Self {
+    pub fn entity(
+        mut self,
+        setup: u32,
+        origin: [f32; 3],
+        change: impl FnOnce(&mut EntitySpec),
+    ) -> Self {
         let mut spec = EntitySpec {
             guid: GUID + self.scene.entities.len() as u32,
             kind: EntityKind::Object,

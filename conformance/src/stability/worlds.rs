@@ -150,7 +150,11 @@ fn playground(x: u8, y: u8) -> Result<Playground, DatError> {
     let shape = || SetupBuilder::new().part(body, StoredFrame::IDENTITY);
     let (ball_setup, speck) = (world.setup(ball(0.3)), world.setup(ball(5e-5)));
     let walker = world.setup(SetupBuilder::humanoid(body, 1.8, 0.4).motion_table(table));
-    let stilts = world.setup(SetupBuilder::humanoid(body, 1.8, 0.4).steps(1.2, 1.5).motion_table(table));
+    let stilts = world.setup(
+        SetupBuilder::humanoid(body, 1.8, 0.4)
+            .steps(1.2, 1.5)
+            .motion_table(table),
+    );
     let ghost = world.setup(shape());
     let crate_ = world.setup(SetupBuilder::of_shape(crate_shape).size(2.0, 1.5));
     let pillar = world.setup(shape().cyl_sphere(Vec3::ZERO, 1.0, 3.0).size(3.0, 1.0));
@@ -186,11 +190,20 @@ fn playground(x: u8, y: u8) -> Result<Playground, DatError> {
 
 /// Ready, walk, run, back, turns and side-steps; everything moves by velocity.
 fn walker_table(world: &mut WorldBuilder) -> u32 {
-    let pose = || (AnimFrame { parts: vec![StoredFrame::IDENTITY], hooks: Vec::new() }, None);
+    let pose = || {
+        (
+            AnimFrame {
+                parts: vec![StoredFrame::IDENTITY],
+                hooks: Vec::new(),
+            },
+            None,
+        )
+    };
     let stand = world.animation(1, (0..4).map(|_| pose()));
     let step = world.animation(1, (0..12).map(|_| pose()));
     let moving = |velocity: Vec3| MotionData::playing(step, 0, -1, 30.0).with_velocity(velocity);
-    let turning = |turn: f32| MotionData::playing(step, 0, -1, 30.0).with_omega(Vec3::new(0.0, 0.0, turn));
+    let turning =
+        |turn: f32| MotionData::playing(step, 0, -1, 30.0).with_omega(Vec3::new(0.0, 0.0, turn));
     let still = || MotionData::playing(stand, 0, -1, 10.0);
     let link = || MotionData::playing(step, 0, 3, 30.0);
     let table = MotionTable::new(0, STYLE)
@@ -214,22 +227,47 @@ fn walker_table(world: &mut WorldBuilder) -> u32 {
 
 fn obstacles(world: &mut WorldBuilder, x: u8, y: u8) {
     use spots::*;
-    let boxed = |world: &mut WorldBuilder, low: [f32; 3], high: [f32; 3]| world.solid(&block(low.into(), high.into()));
+    let boxed = |world: &mut WorldBuilder, low: [f32; 3], high: [f32; 3]| {
+        world.solid(&block(low.into(), high.into()))
+    };
     let wall = boxed(world, [-0.025, -20.0, 0.0], [0.025, 20.0, 6.0]);
     let long = boxed(world, [-10.0, -0.25, 0.0], [10.0, 0.25, 4.0]);
     let slab = boxed(world, [-4.0, -4.0, 0.0], [4.0, 4.0, 0.5]);
     let bank = boxed(world, [-4.0, -2.0, 0.0], [4.0, 0.0, 2.0]);
-    let steps: Vec<u32> = STEPS.iter().map(|(_, height)| boxed(world, [0.0, -2.0, 0.0], [4.0, 2.0, *height])).collect();
-    let ramps: Vec<u32> = RAMPS.iter().map(|(_, rise)| world.solid(&ramp(8.0, 6.0, 8.0 * rise))).collect();
-    let spike = world.solid(&prism(&[[-0.3, 0.0], [0.3, 0.0], [0.0, 2.0]], Axis::Y, -0.3, 0.3));
+    let steps: Vec<u32> = STEPS
+        .iter()
+        .map(|(_, height)| boxed(world, [0.0, -2.0, 0.0], [4.0, 2.0, *height]))
+        .collect();
+    let ramps: Vec<u32> = RAMPS
+        .iter()
+        .map(|(_, rise)| world.solid(&ramp(8.0, 6.0, 8.0 * rise)))
+        .collect();
+    let spike = world.solid(&prism(
+        &[[-0.3, 0.0], [0.3, 0.0], [0.0, 2.0]],
+        Axis::Y,
+        -0.3,
+        0.3,
+    ));
     let home = world.block(x, y);
     home.object(wall, Vec3::new(WALL_X, 60.0, 0.0), 0.0);
     // North and east of the corner.
-    home.object(long, Vec3::new(CORNER[0] - 9.75, CORNER[1] + 0.25, 0.0), 0.0);
-    home.object(long, Vec3::new(CORNER[0] + 0.25, CORNER[1] - 9.75, 0.0), 90.0);
+    home.object(
+        long,
+        Vec3::new(CORNER[0] - 9.75, CORNER[1] + 0.25, 0.0),
+        0.0,
+    );
+    home.object(
+        long,
+        Vec3::new(CORNER[0] + 0.25, CORNER[1] - 9.75, 0.0),
+        90.0,
+    );
     for turn in [10.0_f32, -10.0] {
         let (s, c) = turn.to_radians().sin_cos();
-        home.object(long, Vec3::new(WEDGE[0] - 10.0 * c, WEDGE[1] - 10.0 * s, 0.0), turn);
+        home.object(
+            long,
+            Vec3::new(WEDGE[0] - 10.0 * c, WEDGE[1] - 10.0 * s, 0.0),
+            turn,
+        );
     }
     for ((at, _), model) in STEPS.iter().zip(steps) {
         home.object(model, Vec3::new(*at, 20.0, 0.0), 0.0);
@@ -257,7 +295,8 @@ fn rooms(world: &mut WorldBuilder, x: u8, y: u8) {
         v: [0.0, 2.5],
     };
     let closed = Room::new(Vec3::new(-HALF, -HALF, 0.0), Vec3::new(HALF, HALF, 4.0));
-    let end = |side| Room::new(Vec3::new(-3.0, -3.0, 0.0), Vec3::new(3.0, 3.0, 3.0)).doorway(side, door);
+    let end =
+        |side| Room::new(Vec3::new(-3.0, -3.0, 0.0), Vec3::new(3.0, 3.0, 3.0)).doorway(side, door);
     let thin = Room::new(Vec3::new(-3.0, -0.15, 0.0), Vec3::new(3.0, 0.15, 3.0))
         .doorway(Side::South, door)
         .doorway(Side::North, door);

@@ -16,6 +16,7 @@
 //! is ([`version`]), who wrote it, and the hashes of the world's files.
 
 mod reader;
+pub mod rewrite;
 pub mod version;
 mod writer;
 

@@ -67,15 +67,7 @@ impl<W: Write + Seek> TraceWriter<W> {
         scene_text: &[u8],
         compression: Compression,
     ) -> McapResult<Self> {
-        let mut mcap = WriteOptions::new()
-            .profile("ac-trace")
-            .library(concat!("ac-golden-traces ", env!("CARGO_PKG_VERSION")))
-            .compression(Some(mcap::Compression::Zstd))
-            .compression_level(compression.level())
-            // Worker threads would change how the data is cut, and with it the bytes.
-            .compression_threads(0)
-            .chunk_size(Some(compression.chunk_size()))
-            .create(out)?;
+        let mut mcap = options(compression).create(out)?;
         let mut metadata: BTreeMap<String, String> = [
             ("format".into(), info.version.to_string()),
             ("scene".into(), info.scene.clone()),
@@ -134,16 +126,7 @@ impl<W: Write + Seek> TraceWriter<W> {
             "jsonschema",
             schema().as_value().to_string().as_bytes(),
         )?;
-        let mut metadata = BTreeMap::new();
-        if let Some(header) = header {
-            metadata.insert("schema".into(), header.schema.clone());
-            metadata.insert("oracle".into(), header.oracle.clone());
-            metadata.insert("oracle_version".into(), header.oracle_version.to_string());
-            metadata.insert(
-                "notes".into(),
-                serde_json::Value::from(header.notes.clone()).to_string(),
-            );
-        }
+        let metadata = header.map(header_metadata).unwrap_or_default();
         let id = self
             .mcap
             .add_channel(schema, &kind.topic(), "json", &metadata)?;
@@ -255,8 +238,32 @@ impl<W: Write + Seek> TraceWriter<W> {
     }
 }
 
+/// How every trace is written.
+pub(super) fn options(compression: Compression) -> WriteOptions {
+    WriteOptions::new()
+        .profile("ac-trace")
+        .library(concat!("ac-golden-traces ", env!("CARGO_PKG_VERSION")))
+        .compression(Some(mcap::Compression::Zstd))
+        .compression_level(compression.level())
+        // Worker threads would change how the data is cut, and with it the bytes.
+        .compression_threads(0)
+        .chunk_size(Some(compression.chunk_size()))
+}
+
+/// Who wrote a channel, as the metadata of the channel.
+pub(super) fn header_metadata(header: &ChannelHeader) -> BTreeMap<String, String> {
+    let notes = serde_json::Value::from(header.notes.clone()).to_string();
+    [
+        ("schema".into(), header.schema.clone()),
+        ("oracle".into(), header.oracle.clone()),
+        ("oracle_version".into(), header.oracle_version.to_string()),
+        ("notes".into(), notes),
+    ]
+    .into()
+}
+
 /// Frame -1 has sequence 0.
-fn sequence(frame: i64) -> u32 {
+pub(super) fn sequence(frame: i64) -> u32 {
     u32::try_from(frame + 1).unwrap_or(0)
 }
 

@@ -17,6 +17,7 @@ mod movement;
 mod object_collision;
 mod object_info;
 mod placement;
+mod reach;
 mod records;
 pub mod run;
 mod slots;

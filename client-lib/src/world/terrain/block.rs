@@ -1,6 +1,6 @@
 //! The terrain of one landblock as triangles (`spec/02-terrain.md`, sections 5 to 8 and 10).
 
-use super::water::cell_index;
+use super::water::{cell_index, is_water};
 use super::{
     CELLS, Detail, DetailScale, HeightTable, VERTICES, VERTICES_PER_SIDE, WaterType, detail,
     is_sw_to_ne_cut,
@@ -166,6 +166,9 @@ impl TerrainBlock {
     fn calc_water(&mut self, scale: DetailScale) {
         self.cell_water = [WaterType::None; CELLS];
         self.block_water = WaterType::None;
+        if !self.source.words.iter().any(|&word| is_water(word)) {
+            return;
+        }
         if scale != DetailScale::Full {
             return;
         }
