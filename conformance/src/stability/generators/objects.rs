@@ -11,7 +11,7 @@ use super::{
         worlds::{Playground, halls, spots},
     },
     cases,
-    transition::{furthest_east, highest, play, stage},
+    transition::{STEEP, furthest_east, highest, play, stage},
 };
 
 cases! { "06";
@@ -97,6 +97,7 @@ fn friction_limits(t: &mut Trial) {
 
 fn slope_limits(t: &mut Trial) {
     let Some(play) = play(t) else { return };
+    t.as_retail(Invariant::Energy, STEEP);
     for (x, rise) in spots::RAMPS {
         for state in [FALLS, FALLS | 0x0080_0000] {
             t.scene(&stage(play, 200).entity(play.ball, [x + 4.0, 176.0, 4.0 * rise + 0.5], |spec| {
@@ -185,6 +186,7 @@ fn scales(t: &mut Trial) {
 
 fn bad_root_motion(t: &mut Trial) {
     let Some(play) = play(t) else { return };
+    t.as_retail(Invariant::AnimationFrame, "07 16: with an infinite rate what is left of a step is ∞/∞");
     for speed in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN_POSITIVE * 0.5] {
         for z in [0.0, 20.0] {
             t.scene(&stage(play, 30).walker(play, [30.0, 100.0, z], 90.0).at(3, 0, motion(WALK, speed)));
