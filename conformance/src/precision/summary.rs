@@ -14,7 +14,9 @@ pub const GOOD: f64 = 0.01;
 /// Errors below this, m (or rad), are rounding of f32 coordinates.
 const ROUNDING: f64 = 1e-3;
 /// Quanta per second up to which rounding is not what counts.
-const COARSE: f64 = 60.0;
+const COARSE: f64 = 30.0;
+/// Errors of coarse quanta below this, m (or rad), are rounding too.
+const EXACT: f64 = 2e-3;
 
 /// How the error falls with the quantum.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -43,7 +45,7 @@ pub fn order(rows: &[Row]) -> Order {
     // Finer quanta round more often: only the coarser half tells whether the step itself is exact.
     let coarse = |quanta: f64| quanta <= COARSE;
     let all = points.iter().filter(|(quanta, _)| coarse(*quanta)).count();
-    let exact = |(quanta, error): &&(f64, f64)| coarse(*quanta) && *error < ROUNDING;
+    let exact = |(quanta, error): &&(f64, f64)| coarse(*quanta) && *error < EXACT;
     if all > 1 && points.iter().filter(exact).count() == all {
         return Order::Exact;
     }
