@@ -1,8 +1,10 @@
 //! `docs/status.md`: what matches how well, from measurements only.
 
 mod comparing;
+mod numerics;
 mod sensitivity;
 mod speed;
+mod tools;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -11,7 +13,9 @@ use std::{
 };
 
 pub use comparing::{Comparing, comparing_in};
+pub use numerics::{Numerics, numerics_in};
 pub use speed::{Bench, Cost, benches_in, costs, machine};
+pub use tools::{Tools, tools_in};
 
 use crate::{
     run::{Mode, RunResult, StageCount, sensitivity::SceneSensitivity},
@@ -43,10 +47,14 @@ pub struct Measurements {
     pub threads: usize,
     /// Costs of a tick.
     pub costs: Vec<Cost>,
+    /// Stability and precision.
+    pub numerics: Numerics,
     /// Benchmarks that have been run.
     pub benches: Vec<Bench>,
     /// Long traces that have been compared.
     pub comparing: Vec<Comparing>,
+    /// Bisections and shrinkings that were tried.
+    pub tools: Tools,
 }
 
 /// The page.
@@ -68,7 +76,9 @@ pub fn page(measured: &Measurements) -> String {
     retail(&mut text, &measured.retail);
     sensitivity::section(&mut text, &measured.sensitivity);
     comparing::section(&mut text, &measured.comparing);
+    numerics::section(&mut text, &measured.numerics);
     speed::section(&mut text, &measured.benches, &measured.costs);
+    tools::section(&mut text, &measured.tools);
     text
 }
 

@@ -43,7 +43,9 @@ impl Server {
                 service.set_auth(SimpleAuth::from_single(KEY, SECRET));
                 let service = service.build();
                 let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
-                started.send(listener.local_addr().expect("an address")).expect("it waits");
+                started
+                    .send(listener.local_addr().expect("an address"))
+                    .expect("it waits");
                 loop {
                     let socket = tokio::select! {
                         accepted = listener.accept() => accepted.expect("a connection").0,
@@ -96,7 +98,11 @@ impl Setting {
             let from = corpus::bundled().join("traces/terrain").join(&file);
             fs::copy(from, traces.join(file)).expect("a bundled trace");
         }
-        fs::write(folder.path().join("store/corpus/nightly/README.txt"), "no trace").unwrap();
+        fs::write(
+            folder.path().join("store/corpus/nightly/README.txt"),
+            "no trace",
+        )
+        .unwrap();
         let server = Server::start(&folder.path().join("store"));
         Self { folder, server }
     }
@@ -129,7 +135,10 @@ impl Setting {
 
     /// Names of the cached files.
     fn objects(&self) -> BTreeSet<PathBuf> {
-        corpus::find(&self.cache().join("objects"), &[""]).expect("the cache is there").into_iter().collect()
+        corpus::find(&self.cache().join("objects"), &[""])
+            .expect("the cache is there")
+            .into_iter()
+            .collect()
     }
 }
 
@@ -138,10 +147,17 @@ fn a_corpus_is_fetched_once_and_run_from_the_cache() {
     let mut setting = Setting::new();
     let (code, text) = setting.run(&["s3://corpus/nightly"], SECRET);
     assert_eq!(code, 0, "{text}");
-    assert!(text.contains("terrain/cliff-jump") || text.contains('6'), "{text}");
+    assert!(
+        text.contains("terrain/cliff-jump") || text.contains('6'),
+        "{text}"
+    );
     let fetched = setting.objects();
     assert_eq!(fetched.len(), 2, "the traces and nothing else: {fetched:?}");
-    assert_eq!(fs::read_dir(setting.cache().join("views")).unwrap().count(), 0, "views are removed");
+    assert_eq!(
+        fs::read_dir(setting.cache().join("views")).unwrap().count(),
+        0,
+        "views are removed"
+    );
     // Again: the same files.
     assert_eq!(setting.run(&["s3://corpus/nightly/"], SECRET).0, 0);
     assert_eq!(setting.run(&["s3://corpus/nightly"], SECRET).0, 0);
@@ -149,8 +165,15 @@ fn a_corpus_is_fetched_once_and_run_from_the_cache() {
     let (code, text) = setting.run(&["s3://corpus/nightly/terrain/walk-flat.mcap"], SECRET);
     assert_eq!(code, 0, "{text}");
     // A changed file is fetched again.
-    let trace = setting.folder.path().join("store/corpus/nightly/terrain/walk-flat.mcap");
-    fs::copy(corpus::bundled().join("traces/terrain/cliff-jump.mcap"), &trace).unwrap();
+    let trace = setting
+        .folder
+        .path()
+        .join("store/corpus/nightly/terrain/walk-flat.mcap");
+    fs::copy(
+        corpus::bundled().join("traces/terrain/cliff-jump.mcap"),
+        &trace,
+    )
+    .unwrap();
     let before = setting.objects();
     assert_eq!(setting.run(&["s3://corpus/nightly"], SECRET).0, 0);
     assert_eq!(setting.objects().difference(&before).count(), 1);
@@ -158,20 +181,35 @@ fn a_corpus_is_fetched_once_and_run_from_the_cache() {
     setting.server.stop();
     let (code, text) = setting.run(&["s3://corpus/nightly"], SECRET);
     assert_eq!(code, 0, "{text}");
-    assert!(text.contains("note: s3://corpus/nightly cannot be reached: running the 2 files"), "{text}");
+    assert!(
+        text.contains("note: s3://corpus/nightly cannot be reached: running the 2 files"),
+        "{text}"
+    );
     let (code, text) = setting.run(&["--offline", "s3://corpus/other"], SECRET);
-    assert!(code == 2 && text.contains("the cache has no copy of it"), "{text}");
+    assert!(
+        code == 2 && text.contains("the cache has no copy of it"),
+        "{text}"
+    );
 }
 
 #[test]
 fn errors_say_what_and_what_to_do() {
     let setting = Setting::new();
     let (code, text) = setting.run(&["s3://no-such-bucket/x"], SECRET);
-    assert!(code == 2 && text.contains("there is no such bucket"), "{text}");
+    assert!(
+        code == 2 && text.contains("there is no such bucket"),
+        "{text}"
+    );
     let (code, text) = setting.run(&["s3://corpus/nightly"], "wrong");
-    assert!(code == 2 && text.contains("no permission") && text.contains("AWS_SECRET_ACCESS_KEY"), "{text}");
+    assert!(
+        code == 2 && text.contains("no permission") && text.contains("AWS_SECRET_ACCESS_KEY"),
+        "{text}"
+    );
     let (code, text) = setting.run(&["s3://corpus/other"], SECRET);
-    assert!(code == 2 && text.contains("there is nothing to run"), "{text}");
+    assert!(
+        code == 2 && text.contains("there is nothing to run"),
+        "{text}"
+    );
     let (code, text) = setting.run(&["s3://corpus/nightly", "--cache-limit", "1K"], SECRET);
     assert!(code == 2 && text.contains("--cache-limit"), "{text}");
 }
@@ -179,7 +217,10 @@ fn errors_say_what_and_what_to_do() {
 #[test]
 fn a_folder_may_be_a_url() {
     let setting = Setting::new();
-    let url = format!("file://{}", setting.folder.path().join("store/corpus").display());
+    let url = format!(
+        "file://{}",
+        setting.folder.path().join("store/corpus").display()
+    );
     let (code, text) = setting.run(&[&url], SECRET);
     assert_eq!(code, 0, "{text}");
 }

@@ -103,6 +103,7 @@ impl World {
     pub(crate) fn load_alone(&mut self, demand: Demand) {
         let mut cells = std::mem::take(&mut self.loading_cells);
         let mut tasks = Vec::new();
+        let mut brought = vec![demand.cell];
         tasks.extend(self.begin(demand));
         while let Some(task) = tasks.last_mut() {
             let step = match task {
@@ -131,11 +132,16 @@ impl World {
                 Step::Done => {
                     tasks.pop();
                 }
-                Step::Needs(demand) => tasks.extend(self.begin(demand)),
+                Step::Needs(demand) => {
+                    brought.push(demand.cell);
+                    tasks.extend(self.begin(demand));
+                }
             }
         }
         self.loading_cells = cells;
-        self.relink_shadows(demand.cell);
+        for cell in brought {
+            self.relink_shadows(cell);
+        }
     }
 
     /// Brings the block or cell itself; what is left to do is the answer.

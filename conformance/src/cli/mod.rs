@@ -10,8 +10,8 @@ mod gate;
 mod hash;
 mod import;
 mod merge;
-mod remote;
 mod precision;
+mod remote;
 mod run;
 mod sensitivity;
 mod shrink;
@@ -114,9 +114,7 @@ pub fn main() -> ExitCode {
         Command::Precision(args) => {
             precision::run(&args, &simulator(args.worlds.as_deref(), &args.scenes))
         }
-        Command::Stability(args) => {
-            stability::run(&args, &simulator(args.worlds.as_deref(), &args.scenes))
-        }
+        Command::Stability(args) => stability::run(&args, &simulator(args.worlds.as_deref(), &[])),
         Command::Status(args) => status::run(&args, &simulator(None, &[])),
         Command::Vectors(args) => vectors::run(&args),
     };

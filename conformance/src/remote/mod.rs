@@ -116,7 +116,9 @@ pub enum RemoteError {
         limit: u64,
     },
     /// A file is not what the list of files said.
-    #[error("{url}: {file} is not what the list of files says ({reason}): it was changed meanwhile; run again")]
+    #[error(
+        "{url}: {file} is not what the list of files says ({reason}): it was changed meanwhile; run again"
+    )]
     Changed {
         /// The corpus.
         url: String,
@@ -192,9 +194,7 @@ pub fn default_cache() -> PathBuf {
         .or_else(|| named("LOCALAPPDATA"))
         .map(PathBuf::from)
         .or_else(|| Some(PathBuf::from(named("HOME")?).join(".cache")));
-    caches
-        .unwrap_or_else(std::env::temp_dir)
-        .join("ac-conform")
+    caches.unwrap_or_else(std::env::temp_dir).join("ac-conform")
 }
 
 /// Fetches what URLs among the paths name; other paths stay as they are.

@@ -1,6 +1,8 @@
 //! Lists and fetches the files of a corpus.
 
-use std::{collections::BTreeSet, error::Error, io::Write, path::PathBuf, sync::Arc, time::Duration};
+use std::{
+    collections::BTreeSet, error::Error, io::Write, path::PathBuf, sync::Arc, time::Duration,
+};
 
 use ac_golden_traces::corpus::{
     EXPECT_SUFFIXES, Index, SCENE_SUFFIX, STAGE_SUFFIXES, TRACE_SUFFIX,
@@ -154,8 +156,16 @@ impl Corpus {
             vec![self.entry(meta.map_err(|error| self.error(&error))?)?]
         } else {
             match self.list_prefix().await {
-                Err(RemoteError::Unreachable { url, copies, reason }) => {
-                    return Err(RemoteError::Unreachable { url, copies, reason });
+                Err(RemoteError::Unreachable {
+                    url,
+                    copies,
+                    reason,
+                }) => {
+                    return Err(RemoteError::Unreachable {
+                        url,
+                        copies,
+                        reason,
+                    });
                 }
                 // Most web servers do not list; a corpus has an index.
                 Err(error) if self.is_http => self.list_index().await.map_err(|_| error)?,
@@ -288,11 +298,10 @@ impl Corpus {
                 break;
             }
             hasher.update(&part);
-            file.write_all(&part)
-                .map_err(|source| RemoteError::Cache {
-                    path: file.path().into(),
-                    source,
-                })?;
+            file.write_all(&part).map_err(|source| RemoteError::Cache {
+                path: file.path().into(),
+                source,
+            })?;
         }
         if size != entry.size {
             let expected = entry.size;
