@@ -6,11 +6,12 @@
 //! rm big.mcap
 //! ```
 //!
-//! `write` puts the expected records of the bundled traces into one trace, again and again with other frame numbers and other last bits of the
-//! positions, until the file has that size. `compare` reads it from its start, one thread, and compares every record with one that the
+//! `write` puts the expected records of the bundled traces into one trace: four entities, each of which lives through all scenes one after
+//! another, again and again with other last bits of the positions, until the file has that size. `compare` reads it from its start, one thread, and compares every record with one that the
 //! client could have produced, as `ac-conform run` does.
 
 use std::{
+    collections::BTreeMap,
     fs::File,
     io::{BufWriter, Seek, Write},
     path::Path,
@@ -29,7 +30,7 @@ use ac_golden_traces::{
 
 type Failure = Box<dyn std::error::Error>;
 
-/// Records per frame of the long trace: what the long scenes track.
+/// Entities of the long trace.
 const PER_FRAME: usize = 4;
 /// Seconds of a frame.
 const DT: f64 = 1.0 / 30.0;
@@ -43,29 +44,35 @@ fn main() -> Result<(), Failure> {
     }
 }
 
-/// Expected records of all bundled traces.
+/// Expected records of all bundled traces, one entity after another, its frames in order.
 fn bundled() -> Result<Vec<FrameState>, Failure> {
     let mut records = Vec::new();
     let mut states = FrameStates::new();
     for path in corpus::find(&corpus::bundled().join("traces"), &[".mcap"])? {
         let mut reader = TraceReader::open(&path)?;
         reader.select(|kind| matches!(kind, ChannelKind::Expect(_)));
+        let mut lives: BTreeMap<(String, u32), Vec<FrameState>> = BTreeMap::new();
         while let Some(event) = reader.next_event(&mut states)? {
-            if let TraceEvent::States { .. } = event {
-                records.extend_from_slice(&states);
+            let TraceEvent::States { kind, .. } = event else {
+                continue;
+            };
+            for state in states.iter() {
+                let life = lives.entry((kind.topic(), state.guid)).or_default();
+                life.push(state.clone());
             }
         }
+        records.extend(lives.into_values().flatten());
     }
     Ok(records)
 }
 
-/// The records of a frame: those of the bundled traces in turn, as if they were of this frame.
+/// The records of a frame: the next one of each entity's lives.
 fn fill(states: &mut FrameStates, records: &[FrameState], frame: i32, time: f64) {
     states.clear();
-    let first = frame.cast_unsigned() as usize * PER_FRAME;
-    let round = first / records.len();
     for place in 0..PER_FRAME {
-        let from = &records[(first + place) % records.len()];
+        let at = frame.cast_unsigned() as usize + place * records.len() / PER_FRAME;
+        let round = at / records.len();
+        let from = &records[at % records.len()];
         let to = states.push(frame, time, from.guid);
         to.copy_from(from);
         (to.frame, to.time) = (frame, time);

@@ -483,6 +483,11 @@ impl FrameStates {
         self.len = 0;
     }
 
+    /// Forgets all records but the first `count`, keeps their memory.
+    pub fn truncate(&mut self, count: usize) {
+        self.len = self.len.min(count);
+    }
+
     /// Appends the empty record of an entity and hands it out for filling in.
     pub fn push(&mut self, frame: i32, time: f64, guid: u32) -> &mut FrameState {
         if self.len == self.slots.len() {

@@ -2,6 +2,8 @@
 //!
 //! What is accepted is a subset of JSON: known fields, each at most once, in the order of the specification, without white
 //! space. Strictly less than what [`super::tree`] accepts, with the same result.
+//!
+//! A record is read field by field; [`super::repeat`] reads only those that are not as in the record before.
 
 use ac_client::frame::state::{
     AnimState, Collision, ContactPlane, Fields, FrameEvent, FrameState, FrameStates, MotionState,
@@ -20,23 +22,19 @@ pub(super) fn line(text: &[u8], state: &mut FrameState) -> Option<()> {
     cursor.literal(b",\"guid\":")?;
     let guid = cursor.hex()?;
     state.reset(frame, time, guid);
-    cursor.rest(state)?;
+    cursor.literal(b",\"cell\":")?;
+    cursor.fields(state, &mut [Part::default(); FIELDS.len()])?;
     cursor.text.is_empty().then_some(())
 }
 
 /// A message with all records of a frame.
 pub(super) fn message(text: &[u8], states: &mut FrameStates) -> Option<(i32, f64)> {
     let mut cursor = Cursor { text };
-    cursor.literal(b"{\"frame\":")?;
-    let frame = cursor.integer()?;
-    cursor.literal(b",\"time\":")?;
-    let time = cursor.double()?;
-    cursor.literal(b",\"entities\":[")?;
+    let (frame, time) = cursor.message_head()?;
     if cursor.literal(b"]").is_none() {
         loop {
-            cursor.literal(b"{\"guid\":")?;
-            let guid = cursor.hex()?;
-            cursor.rest(states.push(frame, time, guid))?;
+            let state = states.push(frame, time, 0);
+            cursor.record(state, &mut [Part::default(); FIELDS.len()])?;
             if cursor.literal(b",").is_none() {
                 break;
             }
@@ -47,8 +45,40 @@ pub(super) fn message(text: &[u8], states: &mut FrameStates) -> Option<(i32, f64
     cursor.text.is_empty().then_some((frame, time))
 }
 
-struct Cursor<'a> {
-    text: &'a [u8],
+/// The fields of a record in their order, as they begin. The first two are always there.
+pub(super) const FIELDS: [&[u8]; 16] = [
+    b"{\"guid\":",
+    b",\"cell\":",
+    b",\"origin\":",
+    b",\"rotation\":",
+    b",\"velocity\":",
+    b",\"acceleration\":",
+    b",\"omega\":",
+    b",\"state\":",
+    b",\"transient\":",
+    b",\"contact_plane\":",
+    b",\"sliding_normal\":",
+    b",\"anim\":",
+    b",\"motion\":",
+    b",\"steps\":",
+    b",\"collisions\":",
+    b",\"events\":",
+];
+
+/// A field in the text of a record.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Part {
+    /// Length of key and value; 0: the field is not there.
+    pub length: u32,
+    /// What its presence says.
+    pub has: Fields,
+}
+
+/// The fields of one record.
+pub(super) type Parts = [Part; FIELDS.len()];
+
+pub(super) struct Cursor<'a> {
+    pub text: &'a [u8],
 }
 
 /// A decimal: `±digits · 10^exponent`, and its text for when that does not suffice.
@@ -61,86 +91,150 @@ struct Decimal<'a> {
 
 impl<'a> Cursor<'a> {
     #[inline(always)]
-    fn literal(&mut self, literal: &[u8]) -> Option<()> {
+    pub fn literal(&mut self, literal: &[u8]) -> Option<()> {
         self.text = self.text.strip_prefix(literal)?;
         Some(())
     }
 
-    /// From `cell` to the closing brace.
-    fn rest(&mut self, state: &mut FrameState) -> Option<()> {
+    /// From the beginning of a message to the bracket before its records.
+    pub fn message_head(&mut self) -> Option<(i32, f64)> {
+        self.literal(b"{\"frame\":")?;
+        let frame = self.integer()?;
+        self.literal(b",\"time\":")?;
+        let time = self.double()?;
+        self.literal(b",\"entities\":[")?;
+        Some((frame, time))
+    }
+
+    /// A record of a message into a state that was reset; where its fields are goes into `parts`.
+    pub fn record(&mut self, state: &mut FrameState, parts: &mut Parts) -> Option<()> {
+        let start = self.text.len();
+        self.literal(FIELDS[0])?;
+        state.guid = self.hex()?;
+        parts[0].length = (start - self.text.len()) as u32;
+        self.literal(FIELDS[1])?;
+        self.fields(state, parts)
+    }
+
+    /// From the value of `cell` to the closing brace.
+    fn fields(&mut self, state: &mut FrameState, parts: &mut Parts) -> Option<()> {
         let mut has = Fields::empty();
-        self.literal(b",\"cell\":")?;
-        state.cell = self.hex()?;
-        if self.literal(b",\"origin\":").is_some() {
-            state.origin = self.floats()?;
-            has |= Fields::ORIGIN;
+        for (field, part) in parts.iter_mut().enumerate().skip(1) {
+            // The key of the cell has been read.
+            let start = self.text.len() + if field == 1 { FIELDS[1].len() } else { 0 };
+            *part = Part::default();
+            if field == 1 || self.literal(FIELDS[field]).is_some() {
+                part.has = self.value(field, state)?;
+                part.length = (start - self.text.len()) as u32;
+                has |= part.has;
+            }
         }
-        if self.literal(b",\"rotation\":").is_some() {
-            state.rotation = self.floats()?;
-            has |= Fields::ROTATION;
+        if !has.contains(Fields::ANIM) {
+            // Kept until now for its memory.
+            state.anim = None;
         }
-        if self.literal(b",\"velocity\":").is_some() {
-            state.velocity = self.floats()?;
-            has |= Fields::VELOCITY;
-        }
-        if self.literal(b",\"acceleration\":").is_some() {
-            state.acceleration = self.floats()?;
-            has |= Fields::ACCELERATION;
-        }
-        if self.literal(b",\"omega\":").is_some() {
-            state.omega = self.floats()?;
-            has |= Fields::OMEGA;
-        }
-        if self.literal(b",\"state\":").is_some() {
-            state.state = self.hex()?;
-            has |= Fields::STATE;
-        }
-        if self.literal(b",\"transient\":").is_some() {
-            state.transient = self.hex()?;
-            has |= Fields::TRANSIENT;
-        }
-        has |= self.nullables(state)?;
-        has |= self.lists(state)?;
         state.has = has;
         self.literal(b"}")
     }
 
-    fn nullables(&mut self, state: &mut FrameState) -> Option<Fields> {
-        let mut has = Fields::empty();
-        if self.literal(b",\"contact_plane\":").is_some() {
-            has |= Fields::CONTACT_PLANE;
-            if self.literal(b"null").is_none() {
-                state.contact_plane = Some(self.plane()?);
-                has |= Fields::PLANE_PARTS;
+    /// The value of a field, whatever the state had in its place.
+    #[inline]
+    pub fn value(&mut self, field: usize, state: &mut FrameState) -> Option<Fields> {
+        Some(match field {
+            0 => {
+                state.guid = self.hex()?;
+                Fields::empty()
             }
-        }
-        if self.literal(b",\"sliding_normal\":").is_some() {
-            has |= Fields::SLIDING_NORMAL;
-            if self.literal(b"null").is_none() {
-                state.sliding_normal = Some(self.floats()?);
+            1 => {
+                state.cell = self.hex()?;
+                Fields::empty()
             }
-        }
-        let mut anim = state.anim.take();
-        if self.literal(b",\"anim\":").is_some() {
-            has |= Fields::ANIM;
-            if self.literal(b"null").is_none() {
-                let anim = anim.get_or_insert_default();
-                self.anim(anim)?;
-                has |= Fields::ANIM_PARTS;
-            } else {
-                anim = None;
+            2 => {
+                state.origin = self.floats()?;
+                Fields::ORIGIN
             }
-            state.anim = anim;
-        }
-        if self.literal(b",\"motion\":").is_some() {
-            has |= Fields::MOTION;
-            if self.literal(b"null").is_none() {
+            3 => {
+                state.rotation = self.floats()?;
+                Fields::ROTATION
+            }
+            4 => {
+                state.velocity = self.floats()?;
+                Fields::VELOCITY
+            }
+            5 => {
+                state.acceleration = self.floats()?;
+                Fields::ACCELERATION
+            }
+            6 => {
+                state.omega = self.floats()?;
+                Fields::OMEGA
+            }
+            7 => {
+                state.state = self.hex()?;
+                Fields::STATE
+            }
+            8 => {
+                state.transient = self.hex()?;
+                Fields::TRANSIENT
+            }
+            9..=12 => self.nullable(field, state)?,
+            _ => self.list_field(field, state)?,
+        })
+    }
+
+    fn nullable(&mut self, field: usize, state: &mut FrameState) -> Option<Fields> {
+        let null = self.literal(b"null").is_some();
+        Some(match field {
+            9 => {
+                state.contact_plane = if null { None } else { Some(self.plane()?) };
+                let parts = state
+                    .contact_plane
+                    .map_or(Fields::empty(), |_| Fields::PLANE_PARTS);
+                Fields::CONTACT_PLANE | parts
+            }
+            10 => {
+                state.sliding_normal = if null { None } else { Some(self.floats()?) };
+                Fields::SLIDING_NORMAL
+            }
+            11 if null => {
+                state.anim = None;
+                Fields::ANIM
+            }
+            11 => {
+                self.anim(state.anim.get_or_insert_default())?;
+                Fields::ANIM | Fields::ANIM_PARTS
+            }
+            _ if null => {
+                state.motion = None;
+                Fields::MOTION
+            }
+            _ => {
                 let (motion, parts) = self.motion()?;
                 state.motion = Some(motion);
-                has |= parts;
+                Fields::MOTION | parts
             }
-        }
-        Some(has)
+        })
+    }
+
+    fn list_field(&mut self, field: usize, state: &mut FrameState) -> Option<Fields> {
+        self.literal(b"[")?;
+        Some(match field {
+            13 => {
+                state.steps.clear();
+                self.list(Self::step, &mut state.steps)?;
+                Fields::STEPS
+            }
+            14 => {
+                state.collisions.clear();
+                self.list(Self::collision, &mut state.collisions)?;
+                Fields::COLLISIONS
+            }
+            _ => {
+                state.events.clear();
+                self.list(Self::event, &mut state.events)?;
+                Fields::EVENTS
+            }
+        })
     }
 
     fn plane(&mut self) -> Option<ContactPlane> {
@@ -201,23 +295,6 @@ impl<'a> Cursor<'a> {
         }
         self.literal(b"}")?;
         Some((motion, parts))
-    }
-
-    fn lists(&mut self, state: &mut FrameState) -> Option<Fields> {
-        let mut has = Fields::empty();
-        if self.literal(b",\"steps\":[").is_some() {
-            self.list(Self::step, &mut state.steps)?;
-            has |= Fields::STEPS;
-        }
-        if self.literal(b",\"collisions\":[").is_some() {
-            self.list(Self::collision, &mut state.collisions)?;
-            has |= Fields::COLLISIONS;
-        }
-        if self.literal(b",\"events\":[").is_some() {
-            self.list(Self::event, &mut state.events)?;
-            has |= Fields::EVENTS;
-        }
-        Some(has)
     }
 
     /// Items up to the closing bracket; the opening one is gone.

@@ -9,15 +9,19 @@
 //! recognise goes to `tree`, which takes any valid JSON and says what is wrong in one that is not a record. A test holds
 //! the two together.
 //!
+//! A [`MessageReader`] reads the messages of a channel one after another, only what is not as in the message before.
+//!
 //! Numbers are exact both ways: an f32 is written as the shortest decimal of its widened f64 and read by narrowing.
 
 mod fast;
+mod repeat;
 pub mod schema;
 mod tree;
 mod write;
 
 use ac_client::frame::state::{FrameState, FrameStates};
 
+pub use repeat::MessageReader;
 pub use write::{write_line, write_message, write_record};
 
 /// What to do with fields that this version does not know.

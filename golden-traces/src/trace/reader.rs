@@ -47,6 +47,8 @@ struct Channel {
     kind: Option<ChannelKind>,
     topic: String,
     header: Option<ChannelHeader>,
+    /// What its messages have in common with those before.
+    messages: record::MessageReader,
 }
 
 /// What comes next in a trace.
@@ -239,13 +241,13 @@ impl<R: Read> TraceReader<R> {
             }
             let (id, sequence, payload) =
                 message(data).ok_or_else(|| damaged(&self.path, McapError::UnexpectedEof))?;
-            let Some(channel) = self.channels.get(&id) else {
+            let Some(channel) = self.channels.get_mut(&id) else {
                 return Err(damaged(&self.path, McapError::UnknownChannel(sequence, id)));
             };
             let Some(kind) = channel.kind.as_ref().filter(|kind| (self.wanted)(kind)) else {
                 continue;
             };
-            return match parse(kind, payload, self.unknown, states) {
+            return match parse(kind, payload, self.unknown, &mut channel.messages, states) {
                 Ok(parsed) => Ok(Some(self.event(id, parsed))),
                 Err(error) => Err(GoldenError::Message {
                     path: self.path.clone(),
@@ -291,6 +293,7 @@ fn parse(
     kind: &ChannelKind,
     payload: &[u8],
     unknown: Unknown,
+    messages: &mut record::MessageReader,
     states: &mut FrameStates,
 ) -> Result<Parsed, RecordError> {
     let bad = |error: serde_json::Error| RecordError {
@@ -301,7 +304,7 @@ fn parse(
         ChannelKind::Clock => Parsed::Clock(serde_json::from_slice(payload).map_err(bad)?),
         ChannelKind::Script => Parsed::Script(serde_json::from_slice(payload).map_err(bad)?),
         ChannelKind::States | ChannelKind::Expect(_) => {
-            let (frame, time) = record::read_message(payload, unknown, states)?;
+            let (frame, time) = messages.read(payload, unknown, states)?;
             Parsed::States(frame, time)
         }
         ChannelKind::Stages(_) => Parsed::Stages(serde_json::from_slice(payload).map_err(bad)?),
@@ -325,6 +328,7 @@ impl Channel {
             kind: ChannelKind::of(&channel.topic),
             topic: channel.topic,
             header,
+            messages: record::MessageReader::default(),
         }
     }
 }
