@@ -17,6 +17,8 @@
 #[cfg(feature = "remote")]
 mod cache;
 #[cfg(feature = "remote")]
+mod failure;
+#[cfg(feature = "remote")]
 mod store;
 
 use std::path::{Path, PathBuf};

@@ -1,8 +1,6 @@
 //! Lists and fetches the files of a corpus.
 
-use std::{
-    collections::BTreeSet, error::Error, io::Write, path::PathBuf, sync::Arc, time::Duration,
-};
+use std::{collections::BTreeSet, io::Write, path::PathBuf, sync::Arc, time::Duration};
 
 use ac_golden_traces::corpus::{
     EXPECT_SUFFIXES, Index, SCENE_SUFFIX, STAGE_SUFFIXES, TRACE_SUFFIX,
@@ -10,13 +8,8 @@ use ac_golden_traces::corpus::{
 use futures_util::{StreamExt, TryStreamExt};
 use object_store::{
     ClientOptions, ObjectMeta, ObjectStore, ObjectStoreExt, ObjectStoreScheme, RetryConfig,
-    aws::AmazonS3Builder,
-    azure::MicrosoftAzureBuilder,
-    client::{HttpError, HttpErrorKind},
-    gcp::GoogleCloudStorageBuilder,
-    http::HttpBuilder,
-    local::LocalFileSystem,
-    path::Path,
+    aws::AmazonS3Builder, azure::MicrosoftAzureBuilder, gcp::GoogleCloudStorageBuilder,
+    http::HttpBuilder, local::LocalFileSystem, path::Path,
 };
 use tempfile::TempDir;
 use url::Url;
@@ -24,6 +17,7 @@ use url::Url;
 use super::{
     Options, RemoteError,
     cache::{Cache, Entry},
+    failure::classify,
 };
 
 /// Files that are fetched at the same time.
@@ -240,9 +234,10 @@ impl Corpus {
         Ok(Entry {
             name: self.checked_name(name.into())?,
             size: meta.size,
-            tag: meta
-                .e_tag
-                .unwrap_or_else(|| meta.last_modified.to_rfc3339()),
+            tag: match &meta.e_tag {
+                Some(tag) => etag(tag),
+                None => meta.last_modified.to_rfc3339(),
+            },
             blake3: None,
         })
     }
@@ -281,9 +276,10 @@ impl Corpus {
         };
         let found = self.store.get(&path).await;
         let found = found.map_err(|error| self.error(&error))?;
+        // A list without entity tags, or an index, has nothing to compare with.
         if let Some(tag) = &found.meta.e_tag
-            && entry.blake3.is_none()
-            && *tag != entry.tag
+            && entry.tag.starts_with(ETAG)
+            && etag(tag) != entry.tag
         {
             return Err(changed("another entity tag".into()));
         }
@@ -369,53 +365,4 @@ fn store_of(
         ),
         _ => Arc::new(LocalFileSystem::new()),
     })
-}
-
-/// What a store says, in our words where they help.
-fn classify(url: &str, error: &object_store::Error) -> RemoteError {
-    use object_store::Error as E;
-
-    let url = url.to_owned();
-    let reason = chain(error);
-    match error {
-        E::NotFound { .. } => RemoteError::NotFound { url, reason },
-        E::PermissionDenied { .. } | E::Unauthenticated { .. } => {
-            RemoteError::Permission { url, reason }
-        }
-        _ if is_unreachable(error) => RemoteError::Unreachable {
-            url,
-            copies: "the cache was not asked",
-            reason,
-        },
-        _ => RemoteError::Store { url, reason },
-    }
-}
-
-/// Whether no answer came at all.
-fn is_unreachable(error: &object_store::Error) -> bool {
-    let mut next: Option<&(dyn Error + 'static)> = Some(error);
-    while let Some(error) = next {
-        if let Some(http) = error.downcast_ref::<HttpError>() {
-            return matches!(
-                http.kind(),
-                HttpErrorKind::Connect | HttpErrorKind::Timeout | HttpErrorKind::Request
-            );
-        }
-        next = error.source();
-    }
-    false
-}
-
-/// The messages of an error and its sources, without what is said twice.
-fn chain(error: &dyn Error) -> String {
-    let mut text = error.to_string();
-    let mut next = error.source();
-    while let Some(error) = next {
-        let message = error.to_string();
-        if !text.contains(&message) {
-            text += &format!(": {message}");
-        }
-        next = error.source();
-    }
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
