@@ -1,5 +1,6 @@
 //! `docs/status.md`: what matches how well, from measurements only.
 
+mod recorder;
 mod sensitivity;
 mod speed;
 
@@ -9,6 +10,7 @@ use std::{
     time::Duration,
 };
 
+pub use recorder::RecorderNumbers;
 pub use speed::{Bench, Cost, benches_in, costs, machine};
 
 use crate::{
@@ -41,6 +43,8 @@ pub struct Measurements {
     pub threads: usize,
     /// Costs of a tick.
     pub costs: Vec<Cost>,
+    /// What relaying and killing the recorder costs.
+    pub recorder: RecorderNumbers,
     /// Benchmarks that have been run.
     pub benches: Vec<Bench>,
 }
@@ -64,6 +68,7 @@ pub fn page(measured: &Measurements) -> String {
     retail(&mut text, &measured.retail);
     sensitivity::section(&mut text, &measured.sensitivity);
     speed::section(&mut text, &measured.benches, &measured.costs);
+    recorder::section(&mut text, &measured.recorder);
     text
 }
 

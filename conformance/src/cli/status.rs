@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use crate::{
     run::{self, Case, Mode, Options, cases, sensitivity},
-    status::{Cost, Measurements, benches_in, costs, machine, page},
+    status::{Cost, Measurements, RecorderNumbers, benches_in, costs, machine, page},
     vectors::{FnResult, run_file},
 };
 
@@ -84,6 +84,7 @@ pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
         threads: rayon::current_num_threads(),
         costs: tick_costs(&args.costs)?,
         benches: benches_in(&args.target),
+        recorder: RecorderNumbers::in_folder(&args.target).into_diagnostic()?,
     };
     let context = || format!("cannot write {}", args.output.display());
     fs::write(&args.output, page(&measured))
