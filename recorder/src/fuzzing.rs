@@ -136,7 +136,9 @@ mod tests {
         damaged(&input, 3000, frames);
 
         let mut pcap = 0xA1B2_C3D4u32.to_le_bytes().to_vec();
-        pcap.extend([2, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255, 255, 0, 0, 101, 0, 0, 0]);
+        pcap.extend([
+            2, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255, 255, 0, 0, 101, 0, 0, 0,
+        ]);
         for packet in [fragment(0, true), fragment(16, false)] {
             let n = packet.len() as u32;
             for word in [1, 2, n, n] {
@@ -157,7 +159,9 @@ mod tests {
         damaged(&file, 1000, recording);
 
         let mut datagrams = vec![0, 20];
-        datagrams.extend([4u8, 0, 0, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 20, 0, 0, 0]);
+        datagrams.extend([
+            4u8, 0, 0, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 20, 0, 0, 0,
+        ]);
         datagrams.extend(b"the secret and SECRET");
         damaged(&datagrams, 3000, guard);
     }

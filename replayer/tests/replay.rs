@@ -124,7 +124,10 @@ fn a_run_can_be_drawn() {
             .entry((channel.topic.clone(), schema.name.clone()))
             .or_insert(0) += 1;
     }
-    let names: Vec<_> = topics.keys().map(|(t, s)| (t.as_str(), s.as_str())).collect();
+    let names: Vec<_> = topics
+        .keys()
+        .map(|(t, s)| (t.as_str(), s.as_str()))
+        .collect();
     let expected = [
         ("/log", "foxglove.Log"),
         ("/scene", "foxglove.SceneUpdate"),

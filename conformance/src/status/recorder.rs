@@ -35,6 +35,9 @@ pub struct RelayCost {
     pub recorded: u64,
     /// Of these, not recorded.
     pub unwritten: u64,
+    /// Datagrams that the writer thread alone takes per second.
+    #[serde(default)]
+    pub writer_per_second: f64,
 }
 
 /// Outcome of trials in which a running proxy was killed.
@@ -91,7 +94,7 @@ pub(super) fn section(text: &mut String, numbers: &RecorderNumbers) {
         return;
     }
     text.push_str("## Recorder\n\n");
-    if !numbers.relay.is_empty() {
+    if let Some(first) = numbers.relay.first() {
         text.push_str(
             "Datagrams to an echo server and back over loopback, without and with `ac-record proxy` in between, one after the other in the same run; the relay passes and records each one twice \
              (`cargo run --release -p ac-recorder -- bench`).\n\n",
@@ -125,13 +128,22 @@ pub(super) fn section(text: &mut String, numbers: &RecorderNumbers) {
             ];
             row(text, &cost.rate.to_string(), cells);
         }
-        text.push('\n');
+        let line = format!(
+            "\nThe writer thread alone takes {:.0} datagrams per second (redaction, index, compression, file).\n\n",
+            first.writer_per_second
+        );
+        text.push_str(&line);
     }
     for kill in &numbers.kills {
         let line = format!(
             "Killed (`kill -9`) at {} random moments, half of them while files are rotated every 0.3 s: {} recovered with all of their {} files; of {} datagrams passed on, {} were lost beyond the bound of {} s \
              (`cargo run --release -p ac-recorder -- kill-trials`).\n\n",
-            kill.trials, kill.recovered, kill.files, kill.passed, kill.lost_beyond_bound, kill.bound_s
+            kill.trials,
+            kill.recovered,
+            kill.files,
+            kill.passed,
+            kill.lost_beyond_bound,
+            kill.bound_s
         );
         text.push_str(&line);
     }
@@ -154,7 +166,10 @@ mod tests {
         fs::write(folder.path().join("recorder-kill.jsonl"), kill).unwrap();
         let numbers = RecorderNumbers::in_folder(folder.path()).unwrap();
         section(&mut text, &numbers);
-        assert!(text.contains("| 1000 | 50, 90 | 100, 150 | 49, 60 | 0/3000, 1/3000 | 0/6000 |"), "{text}");
+        assert!(
+            text.contains("| 1000 | 50, 90 | 100, 150 | 49, 60 | 0/3000, 1/3000 | 0/6000 |"),
+            "{text}"
+        );
         assert!(text.contains("at 200 random moments"), "{text}");
         fs::write(folder.path().join("recorder-kill.jsonl"), "[").unwrap();
         assert!(RecorderNumbers::in_folder(folder.path()).is_err());
