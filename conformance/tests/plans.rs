@@ -16,7 +16,10 @@ fn hashes(profile: &str, plan: PlanChoice) -> BTreeMap<String, (StateHash, Vec<S
     let profile = Profile::named(profile).expect("it is one of the presets");
     let (hashes, errors) = hash_all(&simulator, &cases, &profile, || {});
     assert!(errors.is_empty(), "{errors:?}");
-    hashes.into_iter().map(|h| (h.scene, (h.hash, h.frames))).collect()
+    hashes
+        .into_iter()
+        .map(|h| (h.scene, (h.hash, h.frames)))
+        .collect()
 }
 
 #[test]
@@ -31,10 +34,15 @@ fn every_bundled_scene_is_the_same_under_every_plan() {
             let differs = |(scene, (hash, frames)): (&String, &(StateHash, Vec<StateHash>))| {
                 let (other, other_frames) = &produced[scene];
                 let first = frames.iter().zip(other_frames).position(|(a, b)| a != b);
-                (hash != other).then(|| format!("{scene}: frame {}", first.map_or(-2, |f| f as i64 - 1)))
+                (hash != other)
+                    .then(|| format!("{scene}: frame {}", first.map_or(-2, |f| f as i64 - 1)))
             };
             let different: Vec<String> = expected.iter().filter_map(differs).collect();
-            assert!(different.is_empty(), "{name}: {} differ: {different:#?}", different.len());
+            assert!(
+                different.is_empty(),
+                "{name}: {} differ: {different:#?}",
+                different.len()
+            );
         }
     }
 }

@@ -137,7 +137,9 @@ fn run(args: &RunArgs) -> miette::Result<()> {
     let outputs = Outputs {
         checkpoints: args.checkpoints,
     };
-    let simulator = ClientSimulator::new(worlds).with_plan(plan).with_outputs(outputs);
+    let simulator = ClientSimulator::new(worlds)
+        .with_plan(plan)
+        .with_outputs(outputs);
     let mut simulation = simulator.run(&scene, &profile).into_diagnostic()?;
     let detail = if args.checkpoints {
         Detail::Checkpoints

@@ -64,7 +64,10 @@ pub fn run(args: &Args) -> miette::Result<String> {
             args.profile
         )
     })?;
-    let worlds = args.worlds.clone().unwrap_or_else(|| corpus::bundled().join("worlds"));
+    let worlds = args
+        .worlds
+        .clone()
+        .unwrap_or_else(|| corpus::bundled().join("worlds"));
     let folder = worlds.join(&scene.world);
     let simulator = ClientSimulator::new(worlds);
     let source = simulator.world(&scene.world).into_diagnostic()?;
@@ -113,11 +116,29 @@ pub fn human(plan: &Plan, scene: &SceneOutline, index: &WorldIndex, profile: &st
     for omission in &plan.left_out {
         let _ = write!(text, "  {}", omission.part.name());
         if omission.part.has_ids() {
-            let shown: Vec<_> = omission.ids.iter().take(SHOWN).map(|id| format!("{id:#010X}")).collect();
-            let more = if omission.ids.len() > SHOWN { ", …" } else { "" };
-            let _ = write!(text, " ({}): {}{more}", omission.ids.len(), shown.join(", "));
+            let shown: Vec<_> = omission
+                .ids
+                .iter()
+                .take(SHOWN)
+                .map(|id| format!("{id:#010X}"))
+                .collect();
+            let more = if omission.ids.len() > SHOWN {
+                ", …"
+            } else {
+                ""
+            };
+            let _ = write!(
+                text,
+                " ({}): {}{more}",
+                omission.ids.len(),
+                shown.join(", ")
+            );
         }
-        let _ = writeln!(text, "\n      {}\n      [{}]", omission.because, omission.source);
+        let _ = writeln!(
+            text,
+            "\n      {}\n      [{}]",
+            omission.because, omission.source
+        );
     }
     text.push_str("\nnothing is left out for good: what somebody needs after all is loaded, created or played before the difference shows\n");
     text

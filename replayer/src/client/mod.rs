@@ -60,11 +60,7 @@ impl ClientSimulator {
     ///
     /// # Errors
     /// When the dat files cannot be opened or their directory cannot be read.
-    pub fn index(
-        &self,
-        name: &str,
-        profile: &Profile,
-    ) -> Result<Arc<WorldIndex>, SimulationError> {
+    pub fn index(&self, name: &str, profile: &Profile) -> Result<Arc<WorldIndex>, SimulationError> {
         let profile_name = profile_key(profile);
         let key = (name.to_owned(), profile_name);
         // Kept locked meanwhile: others would measure the same.
@@ -98,12 +94,18 @@ impl ClientSimulator {
         }
         let index = self.index(&scene.world, profile)?;
         let outline = planning::outline(scene, self.outputs);
-        let plan = self.plan.plan_for(&outline, source.as_ref(), &index, profile);
+        let plan = self
+            .plan
+            .plan_for(&outline, source.as_ref(), &index, profile);
         let plan = plan.map_err(|reason| SimulationError::Plan {
             scene: scene.name.clone(),
             reason,
         })?;
-        let plan = plan.map(|plan| ScenePlan { plan, index, outline });
+        let plan = plan.map(|plan| ScenePlan {
+            plan,
+            index,
+            outline,
+        });
         SceneRun::planned(scene, source, profile, plan)
     }
 

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use ac_client::dat::DatSet;
-use ac_client::frame::plan::{EntityOutline, Outputs, PlanError, SceneOutline, WorldIndex};
 use ac_client::frame::Plan;
+use ac_client::frame::plan::{EntityOutline, Outputs, PlanError, SceneOutline, WorldIndex};
 use ac_client::math::{Position, Vec3};
 use ac_client::physics::state::PhysicsState;
 use ac_client::profile::Profile;
@@ -134,8 +134,16 @@ pub fn outline(scene: &Scene, outputs: Outputs) -> SceneOutline {
         entities: Vec::new(),
         places: Vec::new(),
         rate: 1.0,
-        duration: scene.frames.iter().map(|run| run.dt * f64::from(run.count)).sum(),
-        load_point: scene.track.first().or_else(|| scene.entities.first().map(|e| &e.guid)).copied(),
+        duration: scene
+            .frames
+            .iter()
+            .map(|run| run.dt * f64::from(run.count))
+            .sum(),
+        load_point: scene
+            .track
+            .first()
+            .or_else(|| scene.entities.first().map(|e| &e.guid))
+            .copied(),
         outputs,
     };
     let created = scene.script.iter().filter_map(|step| match &step.action {
@@ -170,7 +178,9 @@ struct Named {
 impl Named {
     fn of(scene: &Scene) -> Self {
         let mut named = Self::default();
-        named.carries.extend(scene.entities.iter().filter_map(|e| e.parent));
+        named
+            .carries
+            .extend(scene.entities.iter().filter_map(|e| e.parent));
         for step in &scene.script {
             named.acts.push(step.guid);
             match &step.action {
@@ -184,7 +194,11 @@ impl Named {
             }
         }
         named.acts.extend(&named.carries);
-        for list in [&mut named.acts, &mut named.carries, &mut named.state_changes] {
+        for list in [
+            &mut named.acts,
+            &mut named.carries,
+            &mut named.state_changes,
+        ] {
             list.sort_unstable();
         }
         named
@@ -220,11 +234,16 @@ fn place_and_rate(action: &Action) -> (Option<Position>, f32) {
         Action::SetPosition { position: to, .. }
         | Action::InterpolateTo { position: to, .. }
         | Action::ConstrainTo { position: to, .. } => (Some(position(to)), 1.0),
-        Action::MoveToPosition { position: to, params } => (Some(position(to)), of(params)),
+        Action::MoveToPosition {
+            position: to,
+            params,
+        } => (Some(position(to)), of(params)),
         Action::MoveToObject { params, .. }
         | Action::TurnToHeading { params, .. }
         | Action::TurnToObject { params, .. } => (None, of(params)),
-        Action::DoMotion { speed, .. } | Action::DoInterpretedMotion { speed, .. } => (None, *speed),
+        Action::DoMotion { speed, .. } | Action::DoInterpretedMotion { speed, .. } => {
+            (None, *speed)
+        }
         _ => (None, 1.0),
     }
 }
@@ -238,7 +257,11 @@ pub fn index_file(profile: &str) -> String {
 pub fn identity(folder: &Path) -> Option<String> {
     let file = |name: &str| {
         let about = std::fs::metadata(folder.join(name)).ok()?;
-        let changed = about.modified().ok()?.duration_since(std::time::UNIX_EPOCH).ok()?;
+        let changed = about
+            .modified()
+            .ok()?
+            .duration_since(std::time::UNIX_EPOCH)
+            .ok()?;
         Some(format!("{name}:{}:{}", about.len(), changed.as_nanos()))
     };
     Some(format!(

@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use ac_client::dat::DatSet;
 use ac_client::frame::plan::{
-    ActivePlan, Extended, Latent, LatentPlace, Plan, SceneOutline, WorldIndex};
+    ActivePlan, Extended, Latent, LatentPlace, Plan, SceneOutline, WorldIndex,
+};
 use ac_client::frame::state::Fields;
 use ac_client::frame::{FrameState, FrameStates, Host, NoProbe, Pipeline, Probe};
+use ac_client::math::CellId;
 use ac_client::physics::body::EntityId;
 use ac_client::profile::Profile;
-use ac_client::math::CellId;
 use ac_client::world::{World, WorldSource};
 use ac_golden_traces::Scene;
 use ac_golden_traces::scene::{Action, EntitySpec, ScriptStep};
@@ -195,7 +196,11 @@ impl SceneRun {
 
     /// Sets the plan; answers the places of entities whose creation can wait, by GUID.
     fn carry_out(&mut self, plan: &ScenePlan) -> BTreeMap<u32, LatentPlace> {
-        let ScenePlan { plan, index, outline } = plan;
+        let ScenePlan {
+            plan,
+            index,
+            outline,
+        } = plan;
         let late = outline.latent_places(plan, self.source.as_ref());
         let followed = outline.load_point;
         let start = outline.entities.iter().find(|e| Some(e.guid) == followed);
@@ -207,7 +212,11 @@ impl SceneRun {
 
     /// How often the plan was extended so far; nothing without a plan.
     pub fn extended(&self) -> Extended {
-        self.world.plan.as_ref().map(|plan| plan.extended).unwrap_or_default()
+        self.world
+            .plan
+            .as_ref()
+            .map(|plan| plan.extended)
+            .unwrap_or_default()
     }
 
     /// Brings everything that a plan has put off up to date, but for entities that are still to be created: for those who want to look at

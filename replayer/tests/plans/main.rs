@@ -17,8 +17,14 @@ use proptest::prelude::*;
 fn start(scene: &Scene, set: &Arc<DatSet>, profile: &Profile, choice: &PlanChoice) -> SceneRun {
     let index = Arc::new(planning::measure_index(set, profile).expect("the files are well formed"));
     let outline = planning::outline(scene, Outputs::default());
-    let plan = choice.plan_for(&outline, set, &index, profile).expect("it is no given plan");
-    let plan = plan.map(|plan| ScenePlan { plan, index, outline });
+    let plan = choice
+        .plan_for(&outline, set, &index, profile)
+        .expect("it is no given plan");
+    let plan = plan.map(|plan| ScenePlan {
+        plan,
+        index,
+        outline,
+    });
     SceneRun::planned(scene, Arc::clone(set), profile, plan).expect("the scene starts")
 }
 
@@ -36,7 +42,11 @@ fn run(run: &mut SceneRun) -> Vec<Vec<FrameState>> {
 }
 
 fn first_difference(a: &[Vec<FrameState>], b: &[Vec<FrameState>]) -> Option<String> {
-    a.iter().flatten().zip(b.iter().flatten()).find(|(a, b)| !a.same_bits(b)).map(|(a, b)| format!("{a:?}\n{b:?}"))
+    a.iter()
+        .flatten()
+        .zip(b.iter().flatten())
+        .find(|(a, b)| !a.same_bits(b))
+        .map(|(a, b)| format!("{a:?}\n{b:?}"))
 }
 
 /// What an entity is like after the last frame, whoever asks for it.
@@ -71,8 +81,13 @@ proptest! {
 }
 
 fn bundled(name: &str) -> Scene {
-    let path = corpus::bundled().join("traces").join(format!("{name}.mcap"));
-    TraceReader::open(&path).expect("a bundled trace").scene().clone()
+    let path = corpus::bundled()
+        .join("traces")
+        .join(format!("{name}.mcap"));
+    TraceReader::open(&path)
+        .expect("a bundled trace")
+        .scene()
+        .clone()
 }
 
 fn omission(part: Part, ids: &[u32]) -> Omission {
@@ -90,38 +105,63 @@ fn given(omissions: Vec<Omission>, forced: bool) -> ClientSimulator {
         ..Plan::full()
     };
     let plan = Arc::new(plan.checked().expect("nothing stands there twice"));
-    ClientSimulator::new(corpus::bundled().join("worlds")).with_plan(PlanChoice::Given { plan, forced })
+    ClientSimulator::new(corpus::bundled().join("worlds"))
+        .with_plan(PlanChoice::Given { plan, forced })
 }
 
-/// Leaving out the ticks of the only one whose states are wanted is refused, and changes the states when it is forced.
+/// Leaving out the ticks of those whose states are wanted is refused, and changes the states when it is forced.
 #[test]
 fn a_wrong_plan_is_refused_and_shows_when_it_is_forced() {
-    let scene = bundled("clock/late-start");
+    let scene = bundled("lifecycle/many");
     let profile = Profile::retail();
     let guid = scene.track[0];
-    let idle = vec![omission(Part::IdleTicks, &[guid])];
-    let error = given(idle.clone(), false).run(&scene, &profile).map(|_| ()).unwrap_err();
+    let idle = vec![omission(Part::IdleTicks, &scene.track)];
+    let error = given(idle.clone(), false)
+        .run(&scene, &profile)
+        .map(|_| ())
+        .unwrap_err();
     let SimulationError::Plan { reason, .. } = &error else {
         panic!("{error}");
     };
-    assert_eq!(*reason, PlanError::Id { part: Part::IdleTicks, id: guid });
-    let expected = format!("scene `clock/late-start`: the plan cannot be used: left_out, `idle-ticks`: {guid:#010X} can change results");
+    assert_eq!(
+        *reason,
+        PlanError::Id {
+            part: Part::IdleTicks,
+            id: guid
+        }
+    );
+    let expected = format!(
+        "scene `lifecycle/many`: the plan cannot be used: left_out, `idle-ticks`: {guid:#010X} can change results"
+    );
     assert_eq!(error.to_string(), expected);
 
-    let mut on_demand = given(Vec::new(), false).run(&scene, &profile).expect("it starts");
+    let mut on_demand = given(Vec::new(), false)
+        .run(&scene, &profile)
+        .expect("it starts");
     let mut forced = given(idle, true).run(&scene, &profile).expect("it starts");
     let (on_demand, forced) = (run(&mut on_demand), run(&mut forced));
-    assert!(first_difference(&on_demand, &forced).is_some(), "the wrong plan was not seen");
+    assert!(
+        first_difference(&on_demand, &forced).is_some(),
+        "the wrong plan was not seen"
+    );
 }
 
 #[test]
 fn a_part_of_the_planners_plan_can_be_given() {
     let scene = bundled("clock/late-start");
-    let plan = vec![omission(Part::Streaming, &[]), omission(Part::StaticAnimations, &[])];
+    let plan = vec![
+        omission(Part::Streaming, &[]),
+        omission(Part::StaticAnimations, &[]),
+    ];
     let profile = Profile::retail();
     let mut run_given = given(plan, false).run(&scene, &profile).expect("it starts");
-    let mut run_full = given(Vec::new(), false).run(&scene, &profile).expect("it starts");
-    assert_eq!(first_difference(&run(&mut run_given), &run(&mut run_full)), None);
+    let mut run_full = given(Vec::new(), false)
+        .run(&scene, &profile)
+        .expect("it starts");
+    assert_eq!(
+        first_difference(&run(&mut run_given), &run(&mut run_full)),
+        None
+    );
 }
 
 #[test]
@@ -135,6 +175,14 @@ fn a_plan_for_another_scene_is_refused() {
         forced: false,
     };
     let simulator = ClientSimulator::new(corpus::bundled().join("worlds")).with_plan(choice);
-    let error = simulator.run(&bundled("clock/late-start"), &Profile::retail()).map(|_| ()).unwrap_err();
-    assert!(error.to_string().ends_with("it was made for scene `terrain/walk-flat`"), "{error}");
+    let error = simulator
+        .run(&bundled("clock/late-start"), &Profile::retail())
+        .map(|_| ())
+        .unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .ends_with("it was made for scene `terrain/walk-flat`"),
+        "{error}"
+    );
 }

@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use ac_client::dat::worldgen::{Face, Rect, Room, SetupBuilder, Side, WorldBuilder, block, yaw};
 use ac_client::dat::{
-    AnimFrame, AnimationHook, DatSet, HookAction, HookDirection, MotionData, MotionTable, StoredFrame, TerrainWord,
+    AnimFrame, AnimationHook, DatSet, HookAction, HookDirection, MotionData, MotionTable,
+    StoredFrame, TerrainWord,
 };
 use ac_client::math::Vec3;
 use ac_golden_traces::Scene;
 use ac_golden_traces::scene::{
-    Action, EntityKind, EntitySpec, FrameRun, HoldKey, MoveParams, OffsetSpec, PositionSpec, ScriptStep,
+    Action, EntityKind, EntitySpec, FrameRun, HoldKey, MoveParams, OffsetSpec, PositionSpec,
+    ScriptStep,
 };
 use proptest::prelude::*;
 
@@ -79,36 +81,51 @@ fn spot() -> impl Strategy<Value = Spot> {
 fn land() -> impl Strategy<Value = Land> {
     let statics = prop::collection::vec((0_u8..6, spot(), 0.0_f32..360.0), 0..24);
     let dungeons = prop::collection::vec((0..SIDE, 0..SIDE), 0..3);
-    ((0_u8..4, 0_u8..4), any::<bool>(), statics, dungeons).prop_map(|(slope, wet, statics, dungeons)| Land {
-        slope,
-        wet,
-        statics,
-        dungeons,
-    })
+    ((0_u8..4, 0_u8..4), any::<bool>(), statics, dungeons).prop_map(
+        |(slope, wet, statics, dungeons)| Land {
+            slope,
+            wet,
+            statics,
+            dungeons,
+        },
+    )
 }
 
 fn thing() -> impl Strategy<Value = Thing> {
     let push = (-20.0_f32..20.0, -20.0_f32..20.0);
-    (0_u8..8, spot(), prop::bool::weighted(0.1), 0.0_f32..12.0, push).prop_map(|(kind, spot, indoors, height, push)| Thing {
-        kind,
-        spot,
-        indoors,
-        height,
+    (
+        0_u8..8,
+        spot(),
+        prop::bool::weighted(0.1),
+        0.0_f32..12.0,
         push,
-    })
+    )
+        .prop_map(|(kind, spot, indoors, height, push)| Thing {
+            kind,
+            spot,
+            indoors,
+            height,
+            push,
+        })
 }
 
 fn step() -> impl Strategy<Value = Step> {
-    (0_u32..60, any::<u8>(), 0_u8..20, any::<u8>(), spot(), -2.0_f32..2.0).prop_map(
-        |(frame, who, what, other, spot, number)| Step {
+    (
+        0_u32..60,
+        any::<u8>(),
+        0_u8..20,
+        any::<u8>(),
+        spot(),
+        -2.0_f32..2.0,
+    )
+        .prop_map(|(frame, who, what, other, spot, number)| Step {
             frame,
             who,
             what,
             other,
             spot,
             number,
-        },
-    )
+        })
 }
 
 /// Any world and scene.
@@ -116,12 +133,14 @@ pub fn drawn() -> impl Strategy<Value = Drawn> {
     let things = prop::collection::vec(thing(), 1..14);
     let steps = prop::collection::vec(step(), 0..10);
     let frames = prop::collection::vec((0_u8..5, 1_u8..40), 1..4);
-    (land(), things, 1_u8..4, steps, frames).prop_map(|(land, things, tracked, steps, frames)| Drawn {
-        land,
-        things,
-        tracked,
-        steps,
-        frames,
+    (land(), things, 1_u8..4, steps, frames).prop_map(|(land, things, tracked, steps, frames)| {
+        Drawn {
+            land,
+            things,
+            tracked,
+            steps,
+            frames,
+        }
     })
 }
 
@@ -156,14 +175,23 @@ fn kinds(world: &mut WorldBuilder) {
     world.setup(SetupBuilder::humanoid(drawn, 1.8, 0.48));
     world.setup(SetupBuilder::of_shape(solid));
     world.setup(SetupBuilder::of_shape(wide));
-    let post = SetupBuilder::new().part(drawn, StoredFrame::IDENTITY).cyl_sphere(Vec3::ZERO, 0.6, 3.0);
+    let post = SetupBuilder::new()
+        .part(drawn, StoredFrame::IDENTITY)
+        .cyl_sphere(Vec3::ZERO, 0.6, 3.0);
     world.setup(post.size(3.0, 0.6));
-    let ball = SetupBuilder::new().part(drawn, StoredFrame::IDENTITY).sphere(Vec3::Z * 0.4, 0.4);
+    let ball = SetupBuilder::new()
+        .part(drawn, StoredFrame::IDENTITY)
+        .sphere(Vec3::Z * 0.4, 0.4);
     world.setup(ball.size(0.8, 0.4));
-    let up = world.animation(1, (0..40).map(|n| (part(if n < 20 { 0.0 } else { 1.5 }, Vec::new()), None)));
+    let up = world.animation(
+        1,
+        (0..40).map(|n| (part(if n < 20 { 0.0 } else { 1.5 }, Vec::new()), None)),
+    );
     world.setup(SetupBuilder::of_shape(solid).animation(up));
     let waves = world.animation(1, (0..7).map(|n| (part(n as f32 * 0.1, Vec::new()), None)));
-    let banner = SetupBuilder::new().part(drawn, StoredFrame::IDENTITY).size(2.0, 0.3);
+    let banner = SetupBuilder::new()
+        .part(drawn, StoredFrame::IDENTITY)
+        .size(2.0, 0.3);
     world.setup(banner.animation(waves));
     let opens = (0..30).map(|n| {
         let hooks = match n {
@@ -174,7 +202,9 @@ fn kinds(world: &mut WorldBuilder) {
         (part(0.0, hooks), None)
     });
     let opens = world.animation(1, opens);
-    let door = SetupBuilder::new().part(drawn, StoredFrame::IDENTITY).cyl_sphere(Vec3::ZERO, 1.5, 3.0);
+    let door = SetupBuilder::new()
+        .part(drawn, StoredFrame::IDENTITY)
+        .cyl_sphere(Vec3::ZERO, 1.5, 3.0);
     world.setup(door.size(3.0, 1.5).animation(opens));
     motions(world);
 }
@@ -183,11 +213,18 @@ fn motions(world: &mut WorldBuilder) {
     let breath = world.animation(
         1,
         (0..12).map(|n| {
-            let hooks = if n == 5 { vec![hook(HookAction::Sound { wave: 0x0A00_0001 })] } else { Vec::new() };
+            let hooks = if n == 5 {
+                vec![hook(HookAction::Sound { wave: 0x0A00_0001 })]
+            } else {
+                Vec::new()
+            };
             (part(n as f32 * 0.01, hooks), None)
         }),
     );
-    let stride = world.animation(1, (0..10).map(|n| (part(n as f32 * 0.02, Vec::new()), None)));
+    let stride = world.animation(
+        1,
+        (0..10).map(|n| (part(n as f32 * 0.02, Vec::new()), None)),
+    );
     let bow = world.animation(1, (0..6).map(|_| (part(0.0, Vec::new()), None)));
     let table = MotionTable::new(0, STYLE)
         .with_style(STYLE, READY)
@@ -239,7 +276,11 @@ impl Land {
         }
         for &(model, spot, degrees) in &self.statics {
             let model = 0x0200_0002 + u32::from(model);
-            let model = if model == 0x0200_0005 { 0x0200_0008 } else { model };
+            let model = if model == 0x0200_0005 {
+                0x0200_0008
+            } else {
+                model
+            };
             let home = world.block(CORNER.0 + spot.block.0, CORNER.1 + spot.block.1);
             home.object(model, Vec3::new(spot.at.0, spot.at.1, 4.0), degrees);
         }
@@ -249,7 +290,10 @@ impl Land {
 
 impl Spot {
     fn position(self, height: f32) -> PositionSpec {
-        let (x, y) = (u32::from(CORNER.0 + self.block.0), u32::from(CORNER.1 + self.block.1));
+        let (x, y) = (
+            u32::from(CORNER.0 + self.block.0),
+            u32::from(CORNER.1 + self.block.1),
+        );
         let low = (self.at.0 / 24.0) as u32 * 8 + (self.at.1 / 24.0) as u32 + 1;
         PositionSpec {
             cell: x << 24 | y << 16 | low,
@@ -293,9 +337,17 @@ impl Thing {
             setup: 0x0200_0000 | setup,
             motion_table: if table == 0 { 0 } else { 0x0900_0000 | table },
             scale: 1.0,
-            position: if self.indoors { self.spot.room() } else { self.spot.position(8.0 + self.height) },
+            position: if self.indoors {
+                self.spot.room()
+            } else {
+                self.spot.position(8.0 + self.height)
+            },
             state,
-            velocity: if moves { [self.push.0, self.push.1, 2.0] } else { [0.0; 3] },
+            velocity: if moves {
+                [self.push.0, self.push.1, 2.0]
+            } else {
+                [0.0; 3]
+            },
             omega: [0.0; 3],
             elasticity: 0.05,
             friction: 0.5,
@@ -309,9 +361,21 @@ impl Thing {
 impl Drawn {
     /// The scene.
     pub fn scene(&self) -> Scene {
-        let entities: Vec<_> = self.things.iter().enumerate().map(|(n, t)| t.spec(n)).collect();
-        let track = (0..entities.len().min(usize::from(self.tracked))).map(guid).collect();
-        let mut script: Vec<_> = self.steps.iter().enumerate().map(|(n, s)| self.step(n, *s)).collect();
+        let entities: Vec<_> = self
+            .things
+            .iter()
+            .enumerate()
+            .map(|(n, t)| t.spec(n))
+            .collect();
+        let track = (0..entities.len().min(usize::from(self.tracked)))
+            .map(guid)
+            .collect();
+        let mut script: Vec<_> = self
+            .steps
+            .iter()
+            .enumerate()
+            .map(|(n, s)| self.step(n, *s))
+            .collect();
         script.sort_by_key(|step| step.frame);
         let frames = self.frames.iter().map(|&(dt, count)| FrameRun {
             dt: [0.04, 0.02, 0.1, 0.25, 0.5][usize::from(dt)],
@@ -333,37 +397,76 @@ impl Drawn {
 
     fn step(&self, number: usize, step: Step) -> ScriptStep {
         let count = self.things.len();
-        let (who, other) = (usize::from(step.who) % count, usize::from(step.other) % count);
+        let (who, other) = (
+            usize::from(step.who) % count,
+            usize::from(step.other) % count,
+        );
         let position = step.spot.position(10.0);
         let params = MoveParams::default();
         let (velocity, target) = ([step.number * 6.0, 5.0, step.number], guid(other));
         let mut of = guid(who);
         let action = match step.what {
-            0 | 1 => Action::SetPosition { position, flags: 0x1012 },
-            2 => Action::SetPosition { position: step.spot.room(), flags: 0x1012 },
+            0 | 1 => Action::SetPosition {
+                position,
+                flags: 0x1012,
+            },
+            2 => Action::SetPosition {
+                position: step.spot.room(),
+                flags: 0x1012,
+            },
             3 | 4 => Action::SetVelocity { velocity },
-            5 | 6 => Action::DoMotion { command: WALK, speed: 1.0, hold_key: HoldKey::Run },
+            5 | 6 => Action::DoMotion {
+                command: WALK,
+                speed: 1.0,
+                hold_key: HoldKey::Run,
+            },
             7 => Action::StopCompletely,
             8 => Action::MoveToPosition { position, params },
             9 => Action::MoveToObject { target, params },
-            10 => Action::InterpolateTo { position, keep_heading: false },
+            10 => Action::InterpolateTo {
+                position,
+                keep_heading: false,
+            },
             11 => Action::Destroy,
             12 | 13 => {
                 of = guid(count + number);
-                let thing = Thing { kind: step.other % 8, spot: step.spot, indoors: false, height: 2.0, push: (step.number, 3.0) };
-                Action::Create { entity: thing.spec(count + number) }
+                let thing = Thing {
+                    kind: step.other % 8,
+                    spot: step.spot,
+                    indoors: false,
+                    height: 2.0,
+                    push: (step.number, 3.0),
+                };
+                Action::Create {
+                    entity: thing.spec(count + number),
+                }
             }
-            14 => Action::SetState { state: if step.number > 0.0 { 0xC } else { 0x8 } },
-            15 => Action::StickTo { target, radius: 0.5, height: 1.8 },
+            14 => Action::SetState {
+                state: if step.number > 0.0 { 0xC } else { 0x8 },
+            },
+            15 => Action::StickTo {
+                target,
+                radius: 0.5,
+                height: 1.8,
+            },
             16 => Action::SetParent {
                 parent: target,
                 part: 0,
-                offset: OffsetSpec { origin: [0.0, 0.0, 1.0], rotation: [1.0, 0.0, 0.0, 0.0] },
+                offset: OffsetSpec {
+                    origin: [0.0, 0.0, 1.0],
+                    rotation: [1.0, 0.0, 0.0, 0.0],
+                },
             },
             17 => Action::UnsetParent,
             18 => Action::Jump { extent: 0.8 },
-            _ => Action::SetHeading { heading: 100.0 * step.number },
+            _ => Action::SetHeading {
+                heading: 100.0 * step.number,
+            },
         };
-        ScriptStep { frame: step.frame, guid: of, action }
+        ScriptStep {
+            frame: step.frame,
+            guid: of,
+            action,
+        }
     }
 }

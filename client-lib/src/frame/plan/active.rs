@@ -234,7 +234,11 @@ impl World {
         let alone = [member];
         let group = index.group(member).unwrap_or(&alone);
         for &member in group {
-            let cell = if group.len() == 1 { demand.cell } else { cell_of(member) };
+            let cell = if group.len() == 1 {
+                demand.cell
+            } else {
+                cell_of(member)
+            };
             if self.land.is_missing(cell) {
                 self.load_alone(Demand {
                     cell,
@@ -303,8 +307,10 @@ fn is_only_drawn(object: &StaticObject, profile: &Profile) -> bool {
         return true;
     };
     let changes = |action: &HookAction| {
-        matches!(action, HookAction::SetOmega { .. } | HookAction::Ethereal { .. })
-            && is_executed(action, profile)
+        matches!(
+            action,
+            HookAction::SetOmega { .. } | HookAction::Ethereal { .. }
+        ) && is_executed(action, profile)
     };
     let mut turned: Frame = body.position.frame;
     turned.grotate(Vec3::ZERO, profile);
@@ -312,7 +318,10 @@ fn is_only_drawn(object: &StaticObject, profile: &Profile) -> bool {
     rotated.rotate(Vec3::ZERO, profile);
     let bits = body.position.frame.bits();
     !body.state.contains(PhysicsState::HAS_PHYSICS_BSP)
-        && !parts.sequence.nodes().any(|node| node.hooks().any(|hook| changes(&hook.action)))
+        && !parts
+            .sequence
+            .nodes()
+            .any(|node| node.hooks().any(|hook| changes(&hook.action)))
         && turned.bits() == bits
         && rotated.bits() == bits
 }
@@ -327,7 +336,9 @@ impl World {
         if !plan.omits_entity(place.guid) || place.blocks.iter().any(touched) {
             return false;
         }
-        let Some(plan) = &mut self.plan else { return false };
+        let Some(plan) = &mut self.plan else {
+            return false;
+        };
         let number = plan.latent.len();
         for &block in &place.blocks {
             plan.latent_in.entry(block).or_default().push(number);
@@ -370,7 +381,11 @@ impl World {
         let Some(plan) = &mut self.plan else { return };
         if let Some(id) = made {
             plan.born.push((object.place.guid, id));
-            let through = if plan.in_tick { plan.now() } else { plan.now().saturating_sub(1) };
+            let through = if plan.in_tick {
+                plan.now()
+            } else {
+                plan.now().saturating_sub(1)
+            };
             let through = through.max(object.time);
             plan.extended.frames_put_off += (through - object.time) as u64;
             plan.idle.sleep(id, object.time, through);

@@ -133,7 +133,10 @@ impl SceneOutline {
     ) -> BTreeMap<u32, LatentPlace> {
         let mut bounds = Bounds::new(source);
         let omitted = plan.ids(Part::Entities);
-        let late = self.entities.iter().filter(|e| omitted.binary_search(&e.guid).is_ok());
+        let late = self
+            .entities
+            .iter()
+            .filter(|e| omitted.binary_search(&e.guid).is_ok());
         let place = |entity: &EntityOutline| {
             let own = || LatentPlace {
                 guid: entity.guid,
@@ -249,7 +252,11 @@ impl Planner<'_> {
             .filter(|block| !with_groups.contains(&block.block()))
             .filter(|block| self.source.has_cell_record(block.0))
             .collect();
-        let rooms: Vec<u32> = beyond.iter().filter(|b| self.has_rooms(**b)).map(|b| b.0).collect();
+        let rooms: Vec<u32> = beyond
+            .iter()
+            .filter(|b| self.has_rooms(**b))
+            .map(|b| b.0)
+            .collect();
         self.add(
             Part::Landblocks,
             beyond.iter().map(|block| block.0),
@@ -304,13 +311,18 @@ impl Planner<'_> {
 
     /// Entities whose creation can wait.
     fn entities(&mut self) {
-        let remembers =
-            self.profile.left_fields_from_slot || self.profile.last_known_cell == LastKnownCell::StaleSlot;
+        let remembers = self.profile.left_fields_from_slot
+            || self.profile.last_known_cell == LastKnownCell::StaleSlot;
         if self.scene.outputs.checkpoints || remembers {
             // T-14, T-25: a placement leaves something behind that the next transition of anybody finds.
             return;
         }
-        let last = self.scene.entities.iter().rfind(|e| !e.acts).map(|e| e.guid);
+        let last = self
+            .scene
+            .entities
+            .iter()
+            .rfind(|e| !e.acts)
+            .map(|e| e.guid);
         let scene = self.scene;
         let ids: Vec<u32> = scene
             .entities
@@ -327,7 +339,8 @@ impl Planner<'_> {
     }
 
     fn can_wait(&mut self, entity: &EntityOutline) -> bool {
-        let alone = !entity.tracked && !entity.carries && !entity.duplicate && !entity.state_changes;
+        let alone =
+            !entity.tracked && !entity.carries && !entity.duplicate && !entity.state_changes;
         let cell = entity.position.cell;
         let outdoors = !cell.is_indoor() && cell.block_coord().is_some();
         let is_static = entity.state.contains(PhysicsState::STATIC);
@@ -339,7 +352,11 @@ impl Planner<'_> {
     /// Whether the entity's creation, which loads its blocks, starts an animation there that no window starts.
     fn wakes_animations(&self, place: &LatentPlace) -> bool {
         let window = self.scene.window();
-        let animated = self.index.animated().iter().map(|&member| CellId(member).block());
+        let animated = self
+            .index
+            .animated()
+            .iter()
+            .map(|&member| CellId(member).block());
         let outside: BTreeSet<u16> = animated
             .filter(|&block| !window.iter().any(|b| b.block() == block))
             .collect();
@@ -372,7 +389,10 @@ impl Planner<'_> {
             return;
         }
         let scene = self.scene;
-        let unseen = scene.entities.iter().filter(|e| !e.carries && !e.duplicate && !e.state_changes);
+        let unseen = scene
+            .entities
+            .iter()
+            .filter(|e| !e.carries && !e.duplicate && !e.state_changes);
         let ids: Vec<u32> = unseen.map(|e| e.guid).collect();
         self.add(
             Part::Poses,

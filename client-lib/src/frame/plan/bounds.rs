@@ -99,11 +99,20 @@ impl<'a> Bounds<'a> {
             let shape = self.source.gfx_obj(part).ok()??;
             let vertices = shape.vertices.vertices().iter();
             let mut radius = vertices.fold(0.0_f32, |r, v| r.max(v.position.length()));
-            for sphere in [shape.physics_sphere(), shape.drawing_sphere()].into_iter().flatten() {
+            for sphere in [shape.physics_sphere(), shape.drawing_sphere()]
+                .into_iter()
+                .flatten()
+            {
                 radius = radius.max(sphere.center.length() + sphere.radius.abs());
             }
-            let scale = setup.scales.get(index).map_or(1.0, |s| s.abs().max_element());
-            let offsets = setup.placements.iter().filter_map(|(_, pose)| pose.parts.get(index));
+            let scale = setup
+                .scales
+                .get(index)
+                .map_or(1.0, |s| s.abs().max_element());
+            let offsets = setup
+                .placements
+                .iter()
+                .filter_map(|(_, pose)| pose.parts.get(index));
             let offset = offsets.fold(0.0_f32, |o, frame| o.max(frame.origin.length()));
             extent = extent.max(offset + radius * scale.max(1.0));
         }
@@ -130,15 +139,23 @@ impl<'a> Bounds<'a> {
 
     fn speed_of(&self, table: &MotionTable) -> f32 {
         let links = table.links.iter().flat_map(|(_, to)| to.iter());
-        let all = table.cycles.iter().chain(table.modifiers.iter()).chain(links);
-        all.fold(0.0, |speed: f32, (_, motion)| speed.max(self.speed_of_motion(motion)))
+        let all = table
+            .cycles
+            .iter()
+            .chain(table.modifiers.iter())
+            .chain(links);
+        all.fold(0.0, |speed: f32, (_, motion)| {
+            speed.max(self.speed_of_motion(motion))
+        })
     }
 
     fn speed_of_motion(&self, motion: &MotionData) -> f32 {
         let root = motion.anims.iter().map(|range| {
             let animation = self.source.animation(range.animation).ok().flatten();
             let frames = animation.as_ref().map_or(&[][..], |a| a.root_frames());
-            let step = frames.iter().fold(0.0_f32, |l, frame| l.max(frame.origin.length()));
+            let step = frames
+                .iter()
+                .fold(0.0_f32, |l, frame| l.max(frame.origin.length()));
             step * range.framerate.abs()
         });
         motion.velocity.length() + root.fold(0.0, f32::max)
@@ -151,7 +168,11 @@ impl<'a> Bounds<'a> {
             0 => 0.0,
             table => self.motion_speed(table) * rate * entity.scale.abs().max(1.0),
         };
-        if entity.stays() { 0.0 } else { MAX_VELOCITY + root }
+        if entity.stays() {
+            0.0
+        } else {
+            MAX_VELOCITY + root
+        }
     }
 }
 

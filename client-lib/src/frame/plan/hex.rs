@@ -17,11 +17,16 @@ pub(super) mod list {
         text.iter().map(id).collect()
     }
 
-    pub(in crate::frame::plan) fn serialize<S: Serializer>(ids: &[u32], s: S) -> Result<S::Ok, S::Error> {
+    pub(in crate::frame::plan) fn serialize<S: Serializer>(
+        ids: &[u32],
+        s: S,
+    ) -> Result<S::Ok, S::Error> {
         text(ids).serialize(s)
     }
 
-    pub(in crate::frame::plan) fn deserialize<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<u32>, D::Error> {
+    pub(in crate::frame::plan) fn deserialize<'de, D: Deserializer<'de>>(
+        d: D,
+    ) -> Result<Vec<u32>, D::Error> {
         ids(&Vec::<String>::deserialize(d)?)
     }
 }
@@ -30,12 +35,17 @@ pub(super) mod list {
 pub(super) mod lists {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-    pub(in crate::frame::plan) fn serialize<S: Serializer>(ids: &[Vec<u32>], s: S) -> Result<S::Ok, S::Error> {
+    pub(in crate::frame::plan) fn serialize<S: Serializer>(
+        ids: &[Vec<u32>],
+        s: S,
+    ) -> Result<S::Ok, S::Error> {
         let text: Vec<_> = ids.iter().map(|ids| super::list::text(ids)).collect();
         text.serialize(s)
     }
 
-    pub(in crate::frame::plan) fn deserialize<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<Vec<u32>>, D::Error> {
+    pub(in crate::frame::plan) fn deserialize<'de, D: Deserializer<'de>>(
+        d: D,
+    ) -> Result<Vec<Vec<u32>>, D::Error> {
         let text = Vec::<Vec<String>>::deserialize(d)?;
         text.iter().map(|text| super::list::ids(text)).collect()
     }

@@ -154,6 +154,13 @@ impl World {
             self.advance(id, &mut NoProbe);
         }
         self.clock = clock;
+        let Some(plan) = &mut self.plan else { return };
+        // It stands as idly as before, but somebody has it in hand.
+        plan.idle.take(id);
+        let host_skipped_it = plan.now() as u32 != through;
+        if host_skipped_it && let Some(entity) = self.entities.get_mut(id) {
+            entity.begin_frame();
+        }
     }
 
     /// Brings every entity up to date: for those who want to look at all of the world between two frames.
@@ -170,8 +177,15 @@ impl Entity {
     fn stands_idle(&self, before: Stance, profile: &Profile) -> bool {
         let after = Stance::of(self);
         let ticked = after.steps > before.steps;
-        let still = self.steps.iter().skip(before.steps).all(|step| step.outcome == Outcome::None);
-        let same = Stance { steps: before.steps, ..after } == before;
+        let still = self
+            .steps
+            .iter()
+            .skip(before.steps)
+            .all(|step| step.outcome == Outcome::None);
+        let same = Stance {
+            steps: before.steps,
+            ..after
+        } == before;
         let forces = [self.kin.velocity, self.kin.acceleration, self.kin.omega];
         let restless = TransientState::CHECK_ETHEREAL;
         (ticked || !self.kin.transient.contains(TransientState::ACTIVE))
@@ -182,7 +196,11 @@ impl Entity {
             && self.body.cell.is_some()
             && self.is_alone()
             && self.movement_rests()
-            && self.body.part_array.as_ref().is_none_or(|parts| self.pose_is_private(parts, profile))
+            && self
+                .body
+                .part_array
+                .as_ref()
+                .is_none_or(|parts| self.pose_is_private(parts, profile))
     }
 
     /// Nobody is carried, followed or watched, and no value changes over time.
@@ -193,12 +211,19 @@ impl Entity {
             && self.hooks.is_empty()
             && self.position_manager.is_none()
             && self.target_manager.is_none()
-            && !self.body.state.intersects(PhysicsState::FROZEN | PhysicsState::PARTICLE_EMITTER)
+            && !self
+                .body
+                .state
+                .intersects(PhysicsState::FROZEN | PhysicsState::PARTICLE_EMITTER)
     }
 
     /// No move-to, and no motion that waits for its end.
     fn movement_rests(&self) -> bool {
-        let pending = self.body.part_array.as_ref().and_then(|parts| parts.motion_table.as_ref());
+        let pending = self
+            .body
+            .part_array
+            .as_ref()
+            .and_then(|parts| parts.motion_table.as_ref());
         !self.is_moving_to()
             && !self.motions_pending()
             && pending.is_none_or(|table| table.pending().len() == 0)

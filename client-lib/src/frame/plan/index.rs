@@ -99,7 +99,10 @@ impl WorldIndex {
     pub fn from_json(text: &[u8]) -> Result<Self, serde_json::Error> {
         let index: Self = serde_json::from_slice(text)?;
         if index.schema != INDEX_SCHEMA {
-            let reason = format!("schema `{}`, this version reads {INDEX_SCHEMA}", index.schema);
+            let reason = format!(
+                "schema `{}`, this version reads {INDEX_SCHEMA}",
+                index.schema
+            );
             return Err(serde::de::Error::custom(reason));
         }
         Ok(index.with_table())
@@ -211,16 +214,26 @@ mod tests {
         let shape = world.solid(&block(Vec3::new(-2.0, -2.0, 0.0), Vec3::new(2.0, 2.0, 3.0)));
         let post = world.setup(SetupBuilder::of_shape(shape));
         // One near the western border of its block, one in the middle.
-        world.block(10, 10).object(post, Vec3::new(1.0, 100.0, 0.0), 0.0);
-        world.block(20, 20).object(post, Vec3::new(100.0, 100.0, 0.0), 0.0);
+        world
+            .block(10, 10)
+            .object(post, Vec3::new(1.0, 100.0, 0.0), 0.0);
+        world
+            .block(20, 20)
+            .object(post, Vec3::new(100.0, 100.0, 0.0), 0.0);
         world.surround();
         let index = index_of(&world);
         assert_eq!(index.groups(), [[0x090A_FFFF, 0x0A0A_FFFF]]);
-        assert_eq!(index.group(0x0A0A_FFFF), Some(&[0x090A_FFFF, 0x0A0A_FFFF][..]));
+        assert_eq!(
+            index.group(0x0A0A_FFFF),
+            Some(&[0x090A_FFFF, 0x0A0A_FFFF][..])
+        );
         assert_eq!(index.group(0x1414_FFFF), None);
         assert!(index.animated().is_empty());
         let text = index.to_json().expect("it is plain data");
-        assert_eq!(WorldIndex::from_json(text.as_bytes()).expect("just written"), index);
+        assert_eq!(
+            WorldIndex::from_json(text.as_bytes()).expect("just written"),
+            index
+        );
     }
 
     #[test]
@@ -235,7 +248,8 @@ mod tests {
 
     #[test]
     fn another_schema_is_refused() {
-        let text = br#"{"schema":"ac-world-index/9","world":"","profile":"","groups":[],"animated":[]}"#;
+        let text =
+            br#"{"schema":"ac-world-index/9","world":"","profile":"","groups":[],"animated":[]}"#;
         let error = WorldIndex::from_json(text).unwrap_err().to_string();
         assert!(error.contains("ac-world-index/9"), "{error}");
     }

@@ -206,7 +206,10 @@ impl Plan {
             }
             if part.has_ids() {
                 let allowed = proven.ids(part);
-                let refused = omission.ids.iter().find(|id| allowed.binary_search(id).is_err());
+                let refused = omission
+                    .ids
+                    .iter()
+                    .find(|id| allowed.binary_search(id).is_err());
                 if let Some(&id) = refused {
                     return Err(PlanError::Id { part, id });
                 }
