@@ -1,5 +1,6 @@
 //! `docs/status.md`: what matches how well, from measurements only.
 
+mod plans;
 mod sensitivity;
 mod speed;
 
@@ -9,6 +10,7 @@ use std::{
     time::Duration,
 };
 
+pub use plans::{PlanCost, plan_costs};
 pub use speed::{Bench, Cost, benches_in, costs, machine};
 
 use crate::{
@@ -41,6 +43,8 @@ pub struct Measurements {
     pub threads: usize,
     /// Costs of a tick.
     pub costs: Vec<Cost>,
+    /// What plans save.
+    pub plans: Vec<PlanCost>,
     /// Benchmarks that have been run.
     pub benches: Vec<Bench>,
 }
@@ -63,6 +67,7 @@ pub fn page(measured: &Measurements) -> String {
     stages(&mut text, &measured.runs);
     retail(&mut text, &measured.retail);
     sensitivity::section(&mut text, &measured.sensitivity);
+    plans::section(&mut text, &measured.plans);
     speed::section(&mut text, &measured.benches, &measured.costs);
     text
 }

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use crate::{
     run::{self, Case, Mode, Options, cases, sensitivity},
-    status::{Cost, Measurements, benches_in, costs, machine, page},
+    status::{Cost, Measurements, PlanCost, benches_in, costs, machine, page, plan_costs},
     vectors::{FnResult, run_file},
 };
 
@@ -31,6 +31,9 @@ pub struct Args {
     /// What the example `tick_costs` of the client library printed.
     #[arg(long, default_value = "target/tick_costs.jsonl")]
     costs: PathBuf,
+    /// What the example `plan_costs` of the replayer printed.
+    #[arg(long, default_value = "target/plan-costs.jsonl")]
+    plans: PathBuf,
 }
 
 /// Measures everything that is bundled and writes the page.
@@ -83,6 +86,7 @@ pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
         sensitivity_wall,
         threads: rayon::current_num_threads(),
         costs: tick_costs(&args.costs)?,
+        plans: plan_costs_in(&args.plans)?,
         benches: benches_in(&args.target),
     };
     let context = || format!("cannot write {}", args.output.display());
@@ -126,6 +130,17 @@ fn asks_for_motion(action: &Action) -> bool {
             | Action::StickTo { .. }
             | Action::InterpolateTo { .. }
     )
+}
+
+/// What plans save, if it was measured.
+fn plan_costs_in(path: &Path) -> miette::Result<Vec<PlanCost>> {
+    if !path.is_file() {
+        return Ok(Vec::new());
+    }
+    let text = fs::read(path).into_diagnostic()?;
+    plan_costs(&text)
+        .into_diagnostic()
+        .wrap_err_with(|| format!("{} is not what plan_costs prints", path.display()))
 }
 
 /// Costs of a tick, if they were measured.
