@@ -42,7 +42,15 @@ pub(super) fn section(text: &mut String, costs: &[PlanCost]) {
         "## Plans\n\nEverything that a client does (`full`) beside what can change the states that are asked for (`auto`), `docs/plans.md` \
          (`cargo run --release -p ac-replayer --example plan_costs`). *Same*: scenes whose states have the same bits.\n\n",
     );
-    let columns = ["same", "time, full", "auto", "ratio", "dat bytes, full", "auto", "ratio"];
+    let columns = [
+        "same",
+        "time, full",
+        "auto",
+        "ratio",
+        "dat bytes, full",
+        "auto",
+        "ratio",
+    ];
     heading(text, "scenes", &columns);
     let of = |class: &str, plan: &str| costs.iter().find(|c| c.class == class && c.plan == plan);
     for full in costs.iter().filter(|c| c.plan == "full") {
@@ -86,7 +94,10 @@ mod tests {
 {"class":"town","plan":"auto","scenes":1,"same":1,"frames":500,"seconds":0.1,"records":2,"bytes":250}"#;
         let mut text = String::new();
         section(&mut text, &plan_costs(lines).unwrap());
-        assert!(text.contains("| town | 1/1 | 1.000 s | 0.100 s | 10.0 | 5000 | 250 | 20.0 |"), "{text}");
+        assert!(
+            text.contains("| town | 1/1 | 1.000 s | 0.100 s | 10.0 | 5000 | 250 | 20.0 |"),
+            "{text}"
+        );
         assert!(text.contains("town: 0.50 s, 1000 bytes"), "{text}");
         let mut nothing = String::new();
         section(&mut nothing, &[]);

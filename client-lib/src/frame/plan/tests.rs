@@ -67,7 +67,14 @@ fn scene() -> SceneOutline {
     };
     SceneOutline {
         name: "test/stones".into(),
-        entities: vec![falls, entity(2, 45), told, spins, entity(5, 48), entity(6, 49)],
+        entities: vec![
+            falls,
+            entity(2, 45),
+            told,
+            spins,
+            entity(5, 48),
+            entity(6, 49),
+        ],
         rate: 1.0,
         duration: 4.0,
         load_point: Some(1),
@@ -114,8 +121,11 @@ fn landblocks_beyond_the_fastest_travel_are_listed() {
     let mut scene = scene();
     scene.entities.truncate(1);
     let plan = plan_of(&scene, &Profile::retail());
-    let columns: std::collections::BTreeSet<u32> =
-        plan.ids(Part::Landblocks).iter().map(|id| id >> 24).collect();
+    let columns: std::collections::BTreeSet<u32> = plan
+        .ids(Part::Landblocks)
+        .iter()
+        .map(|id| id >> 24)
+        .collect();
     let expected = [39, 40, 41, 42, 46, 47, 48, 49];
     assert_eq!(columns.into_iter().collect::<Vec<_>>(), expected);
 }
@@ -124,16 +134,25 @@ fn landblocks_beyond_the_fastest_travel_are_listed() {
 fn a_plan_survives_writing_and_refuses_what_is_wrong() {
     let plan = plan_of(&scene(), &Profile::retail());
     let text = serde_json::to_string(&plan).expect("it is plain data");
-    assert_eq!(serde_json::from_str::<Plan>(&text).expect("just written"), plan);
+    assert_eq!(
+        serde_json::from_str::<Plan>(&text).expect("just written"),
+        plan
+    );
     assert_eq!(plan.check_against(&plan), Ok(()));
 
     let mut wrong = plan.clone();
     wrong.left_out.retain(|o| o.part == Part::Entities);
     wrong.left_out[0].ids.push(3);
     let error = wrong.check_against(&plan).unwrap_err();
-    assert_eq!(error.to_string(), "left_out, `entities`: 0x00000003 can change results");
+    assert_eq!(
+        error.to_string(),
+        "left_out, `entities`: 0x00000003 can change results"
+    );
     wrong.left_out.push(wrong.left_out[0].clone());
-    assert_eq!(wrong.clone().checked(), Err(PlanError::Twice(Part::Entities)));
+    assert_eq!(
+        wrong.clone().checked(),
+        Err(PlanError::Twice(Part::Entities))
+    );
     wrong.schema = "ac-plan/9".into();
     assert_eq!(wrong.checked(), Err(PlanError::Schema("ac-plan/9".into())));
 }
