@@ -83,6 +83,7 @@ fn the_page() {
         motionless: ["terrain/one".to_owned()].into(),
         retail: vec![result(Mode::Free, 2)],
         sensitivity: vec![sensitive()],
+        plans: Vec::new(),
         wall: Duration::from_millis(1500),
         vectors_wall: Duration::from_millis(250),
         sensitivity_wall: Duration::from_millis(12_340),
