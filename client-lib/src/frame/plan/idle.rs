@@ -154,6 +154,13 @@ impl World {
             self.advance(id, &mut NoProbe);
         }
         self.clock = clock;
+        let Some(plan) = &mut self.plan else { return };
+        // It stands as idly as before, but somebody has it in hand.
+        plan.idle.take(id);
+        let host_skipped_it = plan.now() as u32 != through;
+        if host_skipped_it && let Some(entity) = self.entities.get_mut(id) {
+            entity.begin_frame();
+        }
     }
 
     /// Brings every entity up to date: for those who want to look at all of the world between two frames.
