@@ -68,6 +68,7 @@ impl World {
     pub(crate) fn advance<P: Probe>(&mut self, id: EntityId, probe: &mut P) {
         let culls = self.profile.distance_culling && self.local_player.is_some();
         if !culls && let Some(clock) = self.entities.resting_since(id) {
+            self.note_rest(clock);
             let clock = self.pass_time(clock);
             self.entities.rest(id, clock);
             return;
@@ -75,6 +76,7 @@ impl World {
         let Some(mut entity) = self.entities.take(id) else {
             return;
         };
+        self.note_tick(&entity);
         let before = self.stance(&entity);
         entity.update_object(self, probe);
         if let Some(before) = before {
