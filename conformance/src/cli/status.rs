@@ -15,7 +15,9 @@ use rayon::prelude::*;
 
 use crate::{
     run::{self, Case, Mode, Options, cases, sensitivity},
-    status::{Cost, Measurements, PlanCost, benches_in, costs, machine, page, plan_costs},
+    status::{
+        Cost, Measurements, PlanCost, benches_in, costs, machine, numerics_in, page, plan_costs, tools_in,
+    },
     vectors::{FnResult, run_file},
 };
 
@@ -86,8 +88,10 @@ pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
         sensitivity_wall,
         threads: rayon::current_num_threads(),
         costs: tick_costs(&args.costs)?,
+        numerics: numerics_in(&args.target),
         plans: plan_costs_in(&args.plans)?,
         benches: benches_in(&args.target),
+        tools: tools_in(&args.target),
     };
     let context = || format!("cannot write {}", args.output.display());
     fs::write(&args.output, page(&measured))

@@ -84,6 +84,7 @@ fn the_page() {
         retail: vec![result(Mode::Free, 2)],
         sensitivity: vec![sensitive()],
         plans: Vec::new(),
+        numerics: Numerics::default(),
         wall: Duration::from_millis(1500),
         vectors_wall: Duration::from_millis(250),
         sensitivity_wall: Duration::from_millis(12_340),
@@ -97,6 +98,7 @@ fn the_page() {
             median: 1500.0,
             elements: Some(3),
         }],
+        tools: Default::default(),
     };
     let page = page(&measured).replace("(debug build; ", "(release build; ");
     // What other switches there are is no matter of this test.

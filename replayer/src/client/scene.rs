@@ -27,17 +27,17 @@ use crate::simulation::{Simulation, SimulationError};
 pub struct SceneRun {
     /// Everything that exists.
     pub world: World,
-    scene: Scene,
-    pipeline: Pipeline,
+    pub(super) scene: Scene,
+    pub(super) pipeline: Pipeline,
     /// By GUID: the newest object that was created under it.
-    objects: BTreeMap<u32, SceneObject>,
+    pub(super) objects: BTreeMap<u32, SceneObject>,
     /// The next step of the script.
-    next_step: usize,
+    pub(super) next_step: usize,
     /// Notes about creations, in order.
-    notes: Vec<String>,
-    source: Arc<DatSet>,
+    pub(super) notes: Vec<String>,
+    pub(super) source: Arc<DatSet>,
     /// The same scene beside stage records; made by the first that needs it.
-    companion: Option<Box<stages::Companion>>,
+    pub(super) companion: Option<Box<stages::Companion>>,
 }
 
 /// A plan with what is needed to carry it out.
@@ -63,10 +63,10 @@ impl Latent for LateEntity {
 
 /// An entity of the scene.
 #[derive(Debug, Clone, Copy)]
-struct SceneObject {
-    id: EntityId,
+pub(super) struct SceneObject {
+    pub id: EntityId,
     /// A step has destroyed it: it exists outside world and object table.
-    destroyed: bool,
+    pub destroyed: bool,
 }
 
 /// Runs the script steps of a frame as its input stage.
@@ -79,6 +79,9 @@ struct ScriptInput<'a> {
 }
 
 impl Host for ScriptInput<'_> {
+    /// Nothing ends in a scene but by its script: the oracles keep no queue of what is out of sight (`spec/oracles.md`, 2.3).
+    fn out_of_sight(&mut self, _id: EntityId, _world: &mut World) {}
+
     fn input(&mut self, world: &mut World) {
         let scene = self.scene;
         while let Some(step) = scene.script.get(*self.next_step) {
@@ -249,6 +252,12 @@ impl SceneRun {
         &self.notes
     }
 
+    /// Cuts time otherwise than the retail client from now on. Called before the first frame.
+    pub fn set_fidelity(&mut self, fidelity: ac_client::frame::Fidelity) {
+        fidelity.apply(&mut self.world.profile);
+        self.pipeline.fidelity = fidelity;
+    }
+
     /// The object of a GUID, destroyed or not.
     pub fn object(&self, guid: u32) -> Option<EntityId> {
         self.objects.get(&guid).map(|o| o.id)
@@ -358,6 +367,15 @@ impl Simulation for SceneRun {
         self.run_frame(frame, &mut CheckpointProbe::new(frame, checkpoints));
         self.write_records(i32::try_from(frame).unwrap_or(i32::MAX), out);
         Ok(())
+    }
+
+    fn records(&self, frame: i32, out: &mut FrameStates) -> Result<(), SimulationError> {
+        self.write_records(frame, out);
+        Ok(())
+    }
+
+    fn snapshot(&self) -> Result<Option<Vec<u8>>, SimulationError> {
+        self.take_snapshot().map(Some)
     }
 
     fn load_state(&mut self, expected: &FrameState) -> Result<(), SimulationError> {
