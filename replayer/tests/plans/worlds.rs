@@ -140,7 +140,7 @@ fn step() -> impl Strategy<Value = Step> {
 pub fn drawn() -> impl Strategy<Value = Drawn> {
     let things = prop::collection::vec(thing(), 1..14);
     let steps = prop::collection::vec(step(), 0..10);
-    let frames = prop::collection::vec((0_u8..5, 1_u8..40), 1..4);
+    let frames = prop::collection::vec((0_u8..8, 1_u8..40), 1..4);
     (land(), things, 1_u8..4, steps, frames).prop_map(|(land, things, tracked, steps, frames)| {
         Drawn {
             land,
@@ -387,7 +387,7 @@ impl Drawn {
             .collect();
         script.sort_by_key(|step| step.frame);
         let frames = self.frames.iter().map(|&(dt, count)| FrameRun {
-            dt: [0.04, 0.02, 0.1, 0.25, 0.5][usize::from(dt)],
+            dt: [0.04, 0.02, 0.1, 0.25, 0.5, 0.0, 0.0001, 2.5][usize::from(dt)],
             count: u32::from(count),
         });
         Scene {
