@@ -4,6 +4,8 @@
 //! `ac-replay`: the real client library, with the fault planted in the named stage. So every fault goes through real code, and a build
 //! takes no time.
 
+#![cfg(unix)]
+
 use std::{
     fs,
     io::BufWriter,
