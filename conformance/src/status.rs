@@ -1,5 +1,6 @@
 //! `docs/status.md`: what matches how well, from measurements only.
 
+mod numerics;
 mod sensitivity;
 mod speed;
 mod tools;
@@ -10,6 +11,7 @@ use std::{
     time::Duration,
 };
 
+pub use numerics::{Numerics, numerics_in};
 pub use speed::{Bench, Cost, benches_in, costs, machine};
 pub use tools::{Tools, tools_in};
 
@@ -43,6 +45,8 @@ pub struct Measurements {
     pub threads: usize,
     /// Costs of a tick.
     pub costs: Vec<Cost>,
+    /// Stability and precision.
+    pub numerics: Numerics,
     /// Benchmarks that have been run.
     pub benches: Vec<Bench>,
     /// Bisections and shrinkings that were tried.
@@ -67,6 +71,7 @@ pub fn page(measured: &Measurements) -> String {
     stages(&mut text, &measured.runs);
     retail(&mut text, &measured.retail);
     sensitivity::section(&mut text, &measured.sensitivity);
+    numerics::section(&mut text, &measured.numerics);
     speed::section(&mut text, &measured.benches, &measured.costs);
     tools::section(&mut text, &measured.tools);
     text

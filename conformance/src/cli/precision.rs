@@ -7,12 +7,12 @@ use std::{
     sync::Arc,
 };
 
-use ac_client::{dat::DatSet, frame::FrameStates};
+use ac_client::{dat::DatSet, frame::FrameStates, profile::Profile};
 use ac_golden_traces::{
     Scene, corpus,
     trace::{ChannelKind, TraceEvent, TraceReader},
 };
-use ac_replayer::client::ClientSimulator;
+use ac_replayer::client::{ClientSimulator, planning};
 use clap::ValueEnum;
 use miette::{IntoDiagnostic, WrapErr, miette};
 
@@ -148,9 +148,12 @@ fn subjects(args: &Args, simulator: &ClientSimulator) -> miette::Result<Vec<Subj
     }
     if args.scenes.is_empty() || args.scenes.iter().any(|path| path == analytic) {
         for case in cases::all().into_diagnostic()? {
+            let profile = Profile::named(&args.oracle).unwrap_or_default();
+            let index = planning::measure_index(&case.source, &profile).into_diagnostic()?;
             subjects.push(Subject {
                 scene: case.scene.clone(),
                 source: Arc::clone(&case.source),
+                index: Some(Arc::new(index)),
                 expected: Vec::new(),
                 analytic: Some(case),
             });
@@ -168,9 +171,12 @@ fn subject(case: &Case, oracle: &str, simulator: &ClientSimulator) -> miette::Re
         Case::Trace(path) => expectation(path, oracle)?,
     };
     let source: Arc<DatSet> = simulator.world(&scene.world).into_diagnostic()?;
+    let profile = Profile::named(oracle).unwrap_or_default();
+    let index = simulator.index(&scene.world, &profile).into_diagnostic()?;
     Ok(Subject {
         scene,
         source,
+        index: Some(index),
         expected,
         analytic: None,
     })
@@ -201,7 +207,7 @@ fn counted(subjects: &[Subject], options: &Options) -> miette::Result<ExitCode> 
     for subject in subjects {
         for setting in &options.grid {
             if let Some(scene) = scene_of(&subject.scene, setting) {
-                let mut run = track::start(&scene, &subject.source, setting).into_diagnostic()?;
+                let mut run = track::start(&scene, subject.ground(), setting).into_diagnostic()?;
                 cost::counted_frames(&mut run, scene.frame_count());
             }
         }

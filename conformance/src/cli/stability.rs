@@ -29,7 +29,7 @@ use crate::{
 pub struct Args {
     /// Traces (`*.mcap`) or folders of them for rules and ensembles; `05` or `05/14` for listed cases; `cases` for all of these. Default:
     /// all cases and the bundled traces.
-    scenes: Vec<String>,
+    pub(super) scenes: Vec<PathBuf>,
     /// Folder of the worlds. Default: the bundled worlds.
     #[arg(long)]
     pub(super) worlds: Option<PathBuf>,
@@ -79,12 +79,13 @@ pub fn run(args: &Args, simulator: &ClientSimulator) -> miette::Result<ExitCode>
 
 fn measure(args: &Args, simulator: &ClientSimulator) -> miette::Result<Report> {
     let all = args.scenes.is_empty();
-    let (named, paths): (Vec<&String>, Vec<&String>) =
-        args.scenes.iter().partition(|name| is_case(name));
+    let text = |path: &PathBuf| path.to_string_lossy().into_owned();
+    let names = args.scenes.iter().map(text);
+    let (named, paths): (Vec<String>, Vec<String>) = names.partition(|name| is_case(name));
     let wanted = |id: &str| {
         all || named
             .iter()
-            .any(|name| *name == "cases" || id == *name || id.split('/').next() == Some(name))
+            .any(|name| name == "cases" || id == name || id.split('/').next() == Some(name))
     };
     let mut report = Report {
         cases: lab::cases(wanted),

@@ -3,15 +3,17 @@
 use std::{
     path::{Path, PathBuf},
     process::{Command, Stdio},
-    sync::Arc,
     time::Instant,
 };
 
-use ac_client::{dat::DatSet, frame::NoProbe};
+use ac_client::frame::NoProbe;
 use ac_golden_traces::Scene;
 use ac_replayer::{SimulationError, client::SceneRun};
 
-use super::{grid::Setting, track::start};
+use super::{
+    grid::Setting,
+    track::{Ground, start},
+};
 
 /// Runs all frames. Never inlined: valgrind counts what happens in here and nothing else.
 #[inline(never)]
@@ -27,10 +29,10 @@ pub fn counted_frames(run: &mut SceneRun, frames: u32) {
 /// When the scene cannot be set up.
 pub fn time(
     scene: &Scene,
-    source: &Arc<DatSet>,
+    ground: Ground<'_>,
     setting: &Setting,
 ) -> Result<f64, SimulationError> {
-    let mut run = start(scene, source, setting)?;
+    let mut run = start(scene, ground, setting)?;
     let begin = Instant::now();
     counted_frames(&mut run, scene.frame_count());
     Ok(begin.elapsed().as_nanos() as f64)

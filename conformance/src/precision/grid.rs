@@ -1,6 +1,7 @@
 //! Settings: what a client may choose, one axis at a time around the oracle's own.
 
 use ac_client::{frame::Fidelity, profile::Profile};
+use ac_replayer::client::PlanChoice;
 use serde::Serialize;
 
 /// Shortest and longest quantum of the grid, and those between, as parts of a second.
@@ -28,7 +29,7 @@ pub enum Axis {
     Remote,
     /// Another profile, with its own constants or quanta of one length.
     Profile,
-    /// The scene plan leaves out what cannot matter.
+    /// A scene plan says how much of the world there is. Without one records are opened when they are first asked for.
     Plan,
 }
 
@@ -62,8 +63,28 @@ pub struct Setting {
     pub frame_rate: Option<u32>,
     /// Remote entities are updated in every so many frames.
     pub remote_every: u32,
-    /// The scene plan is used.
-    pub plan: bool,
+    /// How much of a scene's work is done.
+    pub plan: Option<PlanUse>,
+}
+
+/// A plan that is the same for every scene by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PlanUse {
+    /// The whole window of landblocks around the first tracked entity, as a client loads it.
+    Full,
+    /// What the planner cannot show to be without effect.
+    Auto,
+}
+
+impl PlanUse {
+    /// The choice of the replayer.
+    pub fn choice(self) -> PlanChoice {
+        match self {
+            Self::Full => PlanChoice::Full,
+            Self::Auto => PlanChoice::Auto,
+        }
+    }
 }
 
 impl Setting {
@@ -76,7 +97,7 @@ impl Setting {
             quanta_per_second: None,
             frame_rate: None,
             remote_every: 1,
-            plan: false,
+            plan: None,
         }
     }
 
@@ -145,12 +166,13 @@ pub fn full(profile: &'static str) -> Vec<Setting> {
             ..Setting::own(other)
         }));
     }
-    grid.push(Setting {
+    let plans = [("plan auto", PlanUse::Auto), ("plan full", PlanUse::Full)];
+    grid.extend(plans.map(|(name, plan)| Setting {
         axis: Axis::Plan,
-        name: "plan".into(),
-        plan: true,
-        ..own
-    });
+        name: name.into(),
+        plan: Some(plan),
+        ..own.clone()
+    }));
     grid
 }
 
@@ -165,7 +187,7 @@ pub fn quick(profile: &'static str) -> Vec<Setting> {
         "q 1/10",
         "30 Hz",
         "remote 1/4",
-        "plan",
+        "plan auto",
     ];
     let mut grid = full(profile);
     grid.retain(|setting| KEPT.contains(&&*setting.name));

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, sync::Arc};
 
-use ac_client::dat::DatSet;
+use ac_client::{dat::DatSet, frame::plan::WorldIndex};
 use ac_golden_traces::Scene;
 use ac_replayer::SimulationError;
 use rayon::prelude::*;
@@ -16,7 +16,7 @@ use super::{
     resample,
     smooth::{self, SmoothError},
     summary,
-    track::{self, Distance, Track},
+    track::{self, Distance, Ground, Track},
 };
 
 /// Quanta per second of the converged reference, and of the run that tells how far it can be trusted.
@@ -29,10 +29,22 @@ pub struct Subject {
     pub scene: Scene,
     /// Its world.
     pub source: Arc<DatSet>,
+    /// What a plan needs to know of it.
+    pub index: Option<Arc<WorldIndex>>,
     /// What the oracle expects, if there is one.
     pub expected: Vec<Track>,
     /// What really happens, if that is known in closed form.
     pub analytic: Option<Analytic>,
+}
+
+impl Subject {
+    /// The world and its index.
+    pub fn ground(&self) -> Ground<'_> {
+        Ground {
+            source: &self.source,
+            index: self.index.as_ref(),
+        }
+    }
 }
 
 /// How to measure.
@@ -133,7 +145,7 @@ fn errors(subject: &Subject, options: &Options) -> Result<SceneLab, SimulationEr
         let Some(scene) = scene_of(&subject.scene, setting) else {
             continue;
         };
-        let tracks = track::record(&scene, &subject.source, setting)?;
+        let tracks = track::record(&scene, subject.ground(), setting)?;
         // Another profile converges to something else.
         let reference = if setting.profile == options.profile {
             fine
@@ -171,7 +183,7 @@ fn errors(subject: &Subject, options: &Options) -> Result<SceneLab, SimulationEr
 }
 
 fn record(subject: &Subject, setting: &Setting) -> Result<Vec<Track>, SimulationError> {
-    track::record(&subject.scene, &subject.source, setting)
+    track::record(&subject.scene, subject.ground(), setting)
 }
 
 /// The scene at the frame rate of a setting; `None` where it has none.
@@ -231,7 +243,7 @@ fn times(subject: &Subject, lab: &mut SceneLab, options: &Options) -> Result<(),
     for _ in 0..options.repeats {
         for (index, row) in lab.rows.iter().enumerate() {
             let scene = scenes[index].as_ref().unwrap_or(&subject.scene);
-            found[index].push(cost::time(scene, &subject.source, &row.setting)?);
+            found[index].push(cost::time(scene, subject.ground(), &row.setting)?);
         }
     }
     let seconds = lab.seconds.max(f64::MIN_POSITIVE);

@@ -13,6 +13,10 @@ use super::{
 pub const GOOD: f64 = 0.01;
 /// Errors below this, m (or rad), are rounding of f32 coordinates.
 const ROUNDING: f64 = 1e-3;
+/// Quanta per second up to which rounding is not what counts.
+const COARSE: f64 = 30.0;
+/// Errors of coarse quanta below this, m (or rad), are rounding too.
+const EXACT: f64 = 2e-3;
 
 /// How the error falls with the quantum.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -38,7 +42,11 @@ pub fn order(rows: &[Row]) -> Order {
     if points.len() < 3 {
         return Order::Unknown;
     }
-    if points.iter().all(|(_, error)| *error < ROUNDING) {
+    // Finer quanta round more often: only the coarser half tells whether the step itself is exact.
+    let coarse = |quanta: f64| quanta <= COARSE;
+    let all = points.iter().filter(|(quanta, _)| coarse(*quanta)).count();
+    let exact = |(quanta, error): &&(f64, f64)| coarse(*quanta) && *error < EXACT;
+    if all > 1 && points.iter().filter(exact).count() == all {
         return Order::Exact;
     }
     // The finest is the reference itself, and what is near rounding has no slope.
@@ -198,7 +206,7 @@ fn per_second(candidate: &Candidate) -> f64 {
 
 /// A key that is the same for the same setting in every scene: some scenes leave settings out.
 fn place(setting: &Setting) -> usize {
-    let rate = setting.frame_rate.unwrap_or(0) as usize;
+    let rate = setting.frame_rate.unwrap_or(0) as usize + setting.plan.map_or(0, |plan| plan as usize + 1);
     let quanta = setting.quanta_per_second.unwrap_or(0) as usize;
     let axis = setting.axis as usize;
     ((axis * 1024 + rate) * 1024 + quanta) * 16 + setting.remote_every as usize

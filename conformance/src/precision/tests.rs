@@ -14,6 +14,7 @@ fn subjects() -> Vec<Subject> {
     let subject = |case: cases::Analytic| Subject {
         scene: case.scene.clone(),
         source: case.source.clone(),
+        index: None,
         expected: Vec::new(),
         analytic: Some(case),
     };
@@ -40,6 +41,7 @@ fn the_client_converges_with_the_order_of_its_step() {
         let error = row.solution.unwrap().max;
         assert!(error < 0.02, "{}: {error}", row.setting.name);
     }
+    assert_eq!(flight.order, Order::Exact);
     // Friction: the place moves with the speed at the end of a quantum, which is of first order.
     let Order::Power(order) = lab("analytic/friction").order else {
         panic!("{:?}", lab("analytic/friction").order);

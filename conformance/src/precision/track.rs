@@ -9,11 +9,19 @@ use std::sync::Arc;
 use ac_client::{
     dat::DatSet,
     entity::Entity,
-    frame::{FrameState, NoProbe, state::Fields},
+    frame::{
+        FrameState, NoProbe,
+        plan::{Outputs, WorldIndex},
+        state::Fields,
+    },
     physics::state::TransientState,
+    profile::Profile,
 };
 use ac_golden_traces::Scene;
-use ac_replayer::{SimulationError, client::SceneRun};
+use ac_replayer::{
+    SimulationError,
+    client::{ScenePlan, SceneRun, planning},
+};
 use serde::Serialize;
 
 use super::{
@@ -28,6 +36,15 @@ const BLOCK: f64 = 192.0;
 const PLACED: f64 = 60.0;
 /// Samples this near, s, to a placing are not compared: inputs come up to a quantum earlier or later.
 const PLACED_WINDOW: f64 = 0.3;
+
+/// A world, and what belongs together in it.
+#[derive(Debug, Clone, Copy)]
+pub struct Ground<'a> {
+    /// Its records.
+    pub source: &'a Arc<DatSet>,
+    /// What a plan needs to know of it.
+    pub index: Option<&'a Arc<WorldIndex>>,
+}
 
 /// One entity after one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,10 +86,10 @@ pub struct Track {
 /// When the scene cannot be set up.
 pub fn record(
     scene: &Scene,
-    source: &Arc<DatSet>,
+    ground: Ground<'_>,
     setting: &Setting,
 ) -> Result<Vec<Track>, SimulationError> {
-    let mut run = start(scene, source, setting)?;
+    let mut run = start(scene, ground, setting)?;
     let mut tracks: Vec<Track> = scene
         .track
         .iter()
@@ -83,6 +100,9 @@ pub fn record(
         .collect();
     for frame in 0..scene.frame_count() {
         run.run_frame(frame, &mut NoProbe);
+        if setting.plan.is_some() {
+            run.settle();
+        }
         let now = run.world.clock.now;
         for track in &mut tracks {
             let entity = run.object(track.guid).and_then(|id| run.world.entity(id));
@@ -99,15 +119,40 @@ pub fn record(
 /// When the scene cannot be set up.
 pub fn start(
     scene: &Scene,
-    source: &Arc<DatSet>,
+    ground: Ground<'_>,
     setting: &Setting,
 ) -> Result<SceneRun, SimulationError> {
     let mut profile = setting.profile();
     let fidelity = setting.fidelity();
     fidelity.apply(&mut profile);
-    let mut run = SceneRun::new(scene, Arc::clone(source), &profile)?;
+    let plan = plan(scene, ground, setting, &profile)?;
+    let mut run = SceneRun::planned(scene, Arc::clone(ground.source), &profile, plan)?;
     run.set_fidelity(fidelity);
     Ok(run)
+}
+
+fn plan(
+    scene: &Scene,
+    ground: Ground<'_>,
+    setting: &Setting,
+    profile: &Profile,
+) -> Result<Option<ScenePlan>, SimulationError> {
+    let (Some(used), Some(index)) = (setting.plan, ground.index) else {
+        return Ok(None);
+    };
+    let outline = planning::outline(scene, Outputs::default());
+    let plan = used
+        .choice()
+        .plan_for(&outline, ground.source, index, profile)
+        .map_err(|reason| SimulationError::Plan {
+            scene: scene.name.clone(),
+            reason,
+        })?;
+    Ok(plan.map(|plan| ScenePlan {
+        plan,
+        index: Arc::clone(index),
+        outline,
+    }))
 }
 
 fn sample(entity: &Entity, now: f64, start: f64) -> Option<Sample> {

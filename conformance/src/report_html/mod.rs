@@ -57,6 +57,7 @@ pub fn write(
 ) -> Result<PathBuf, ReportError> {
     let path = folder.join(FILE);
     let text = page(document, policy, baseline);
+    let text = plot::with_links(folder, FILE, &text);
     fs::create_dir_all(folder)
         .and_then(|()| fs::write(&path, text))
         .map_err(|source| ReportError {
@@ -69,6 +70,7 @@ pub fn write(
 /// Writes a page of its own into the folder, beside the report if there is one. The answer is the path of the file.
 fn write_page(folder: &Path, file: &str, text: &str) -> Result<PathBuf, ReportError> {
     let path = folder.join(file);
+    let text = plot::with_links(folder, file, text);
     fs::create_dir_all(folder)
         .and_then(|()| fs::write(&path, text))
         .map_err(|source| ReportError {

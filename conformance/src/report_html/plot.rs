@@ -3,7 +3,7 @@
 //! Everything is drawn here and nothing by a script, so a page of plots works wherever it is opened. Text comes from our own tables and from
 //! names of scenes; all of it is escaped.
 
-use std::fmt::Write;
+use std::{fmt::Write, path::Path};
 
 const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 360.0;
@@ -11,6 +11,8 @@ const LEFT: f64 = 74.0;
 const RIGHT: f64 = 16.0;
 const TOP: f64 = 14.0;
 const BOTTOM: f64 = 46.0;
+/// Colours of series.
+const COLORS: usize = 7;
 
 /// How an axis is divided and labelled.
 #[derive(Clone, Copy)]
@@ -45,7 +47,7 @@ pub struct Point {
 pub struct Series {
     /// Its name in the legend; empty: it has none.
     pub name: String,
-    /// Number of its colour, 0 to 5.
+    /// Number of its colour, 0 to 6.
     pub color: usize,
     /// The points are joined.
     pub line: bool,
@@ -196,7 +198,7 @@ fn axes(text: &mut String, x: &Scale, y: &Scale) {
 }
 
 fn draw(text: &mut String, series: &Series, x: &Scale, y: &Scale) {
-    let color = series.color % 6;
+    let color = series.color % COLORS;
     let shown = |p: &&Point| p.x.is_finite() && p.y.is_finite();
     if series.line || series.guide {
         let mut path = String::new();
@@ -276,7 +278,7 @@ fn legend(text: &mut String, series: &[Series]) {
         let _ = write!(
             text,
             "<span><i class=\"{class} b{}\"></i>{}</span>",
-            series.color % 6,
+            series.color % COLORS,
             escape(&series.name)
         );
     }
@@ -297,9 +299,40 @@ pub fn page(title: &str, subtitle: &str, body: &str) -> String {
     )
 }
 
+/// The pages of a report.
+const PAGES: [(&str, &str); 3] = [
+    ("index.html", "Conformance"),
+    ("precision.html", "Error against run time"),
+    ("stability.html", "Numerical stability"),
+];
+
+/// A page with links to the other pages of the report that are in the folder.
+pub fn with_links(folder: &Path, file: &str, text: &str) -> String {
+    let links: String = PAGES
+        .iter()
+        .filter(|(other, _)| *other != file && folder.join(other).is_file())
+        .map(|(other, title)| format!("<a href=\"{other}\">{title}</a>"))
+        .collect();
+    if links.is_empty() {
+        return text.to_owned();
+    }
+    text.replacen("</header>", &format!("<p class=\"bar\">{links}</p></header>"), 1)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pages_link_to_those_that_are_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let page = page("t", "s", "b");
+        assert_eq!(with_links(folder.path(), "precision.html", &page), page);
+        std::fs::write(folder.path().join("stability.html"), "").unwrap();
+        let linked = with_links(folder.path(), "precision.html", &page);
+        assert!(linked.contains("<a href=\"stability.html\">Numerical stability</a>"));
+        assert!(!linked.contains("index.html"));
+    }
 
     const PLAIN: Axis = Axis {
         label: "x",

@@ -160,7 +160,8 @@ fn plots(body: &mut String, ensembles: &[Ensemble]) {
         let shown = of.len().min(if open { PLOTS } else { 8 });
         let _ = write!(
             body,
-            "<details><summary>{}: {} scenes{}</summary><div class=\"grid\">",
+            "<details{}><summary>{}: {} scenes{}</summary><div class=\"grid\">",
+            if class == Class::Discontinuous { " open" } else { "" },
             class.name(),
             of.len(),
             if shown < of.len() {

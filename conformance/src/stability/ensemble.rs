@@ -19,6 +19,8 @@ const FAR: f64 = 5e-3;
 /// Differences that grow by more than this are growing, and that shrink below that are contractive.
 const GROWN: f64 = 10.0;
 const SHRUNK: f64 = 0.5;
+/// A discrete difference this many frames before a jump, or fewer, is its cause.
+const RECENT: usize = 30;
 /// Points that a plot keeps.
 const POINTS: usize = 160;
 
@@ -114,7 +116,7 @@ impl Class {
 pub struct Event {
     /// The frame.
     pub frame: i32,
-    /// What is different: quanta, cell, contact, outcome, collision, motion, or nothing that is discrete.
+    /// What is different: quanta, cell, contact, outcome, collision, motion, plane touched, or nothing that is discrete.
     pub kind: &'static str,
     /// Distance before, m.
     pub before: f64,
@@ -245,7 +247,16 @@ fn discrete(a: &FrameState, b: &FrameState) -> Option<&'static str> {
             .map(|m| (m.style, m.substate, m.forward, m.sidestep, m.turn));
         (motion, s.anim.as_ref().map(|a| (a.id, a.queue.len())))
     };
-    (moving(a) != moving(b) || a.events != b.events).then_some("motion")
+    if moving(a) != moving(b) || a.events != b.events {
+        return Some("motion");
+    }
+    // The same kind of contact with something else.
+    let other = |a: Option<[f32; 3]>, b: Option<[f32; 3]>| match (a, b) {
+        (Some(a), Some(b)) => a.iter().zip(b).any(|(a, b)| (a - b).abs() > 0.01),
+        _ => false,
+    };
+    let plane = |s: &FrameState| s.contact_plane.map(|plane| plane.n);
+    (other(plane(a), plane(b)) || other(a.sliding_normal, b.sliding_normal)).then_some("plane")
 }
 
 fn member(change: Change, base: &[Vec<FrameState>], other: &[Vec<FrameState>]) -> Member {
@@ -296,7 +307,7 @@ fn event(apart: &[(f64, Option<&'static str>)], start: f64) -> Option<Event> {
     let mut highest = start;
     for (index, (distance, kind)) in apart.iter().enumerate() {
         if *distance > FAR && *distance > highest * JUMP {
-            let recent = apart[index.saturating_sub(2)..=index].iter();
+            let recent = apart[index.saturating_sub(RECENT)..=index].iter();
             let kind = kind.or_else(|| recent.rev().find_map(|(_, kind)| *kind));
             return Some(Event {
                 frame: i32::try_from(index).unwrap_or(i32::MAX) - 1,

@@ -174,8 +174,8 @@ impl Watch {
                 self.rest(state, entity, &mut known),
                 self.depth(state, entity, run),
                 self.energy(state, entity, &mut known),
-                self.cell(state),
-                animation_frame(entity),
+                self.cell(state, entity, run),
+                animation_frame(entity).filter(|_| self.finite),
             ];
             let rules = &Invariant::ALL[..found.len()];
             for (rule, found) in rules.iter().zip(found) {
@@ -328,18 +328,22 @@ impl Watch {
         }))
     }
 
-    fn cell(&self, state: &FrameState) -> Check {
+    /// The current cell is that of the first sphere's centre (03, 9.1).
+    fn cell(&self, state: &FrameState, entity: &Entity, run: &SceneRun) -> Check {
         let low = state.cell & 0xFFFF;
-        if low >= 0x100 || low == 0 || !self.legal {
+        let free = entity.body.parent.is_none();
+        if low >= 0x100 || low == 0 || !self.legal || !free {
             return None;
         }
+        let parts = entity.body.part_array.as_ref();
+        let center = parts.and_then(|p| p.spheres().first()).map(|s| s.center);
+        let center = center.unwrap_or_default() * entity.body.scale;
+        let at = entity.body.position.frame.local_to_global(center, &run.world.profile);
         let column = |c: u32| c as f32 * 24.0;
         let (x, y) = (column((low - 1) / 8), column((low - 1) % 8));
         let within = |p: f32, from: f32| (from - BORDER..=from + 24.0 + BORDER).contains(&p);
-        let agrees = within(state.origin[0], x) && within(state.origin[1], y);
-        Some(ensure(agrees, || {
-            format!("cell {:#X}, origin {:?}", state.cell, state.origin)
-        }))
+        let agrees = within(at.x, x) && within(at.y, y);
+        Some(ensure(agrees, || format!("cell {:#X}, centre {at}", state.cell)))
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::{Arc, LazyLock};
 
 use ac_client::dat::{
-    AnimFrame, DatError, DatSet, MotionData, MotionTable, StoredFrame,
+    AnimFrame, DatError, DatSet, MotionData, MotionTable, StoredFrame, TerrainWord,
     worldgen::{Axis, Rect, Room, RoomId, SetupBuilder, Side, WorldBuilder, block, prism, ramp},
 };
 use ac_client::math::Vec3;
@@ -29,6 +29,10 @@ pub struct Playground {
     pub hills: u32,
     /// A block of rooms below the ground.
     pub rooms: u32,
+    /// A block of houses; two of them stand in one cell, one at the eastern border.
+    pub town: u32,
+    /// A block whose eastern half is water; the block east of it is all water.
+    pub shore: u32,
     /// Setup of a ball of radius 0.3 m.
     pub ball: u32,
     /// Setup of a walker of two spheres, 1.8 m high, that steps up 0.6 m.
@@ -98,6 +102,16 @@ pub mod halls {
     pub const ROW_CELL: u32 = 0x0101;
     /// How many rooms the row has, both end rooms included.
     pub const ROW_LENGTH: u32 = 10;
+    /// Middle of a room that overlaps the next one in space; its low word follows the row's.
+    pub const TRICK: [f32; 3] = [40.0, 120.0, FLOOR];
+    /// Low word of that room.
+    pub const TRICK_CELL: u32 = ROW_CELL + ROW_LENGTH;
+}
+
+/// Places on the block of houses.
+pub mod houses {
+    /// Middles of the floors of the houses, 6 m square, with a door of 2 m in the south; rooms are numbered in this order.
+    pub const AT: [[f32; 3]; 3] = [[56.0, 52.0, 0.0], [65.0, 66.0, 0.0], [188.0, 60.0, 0.0]];
 }
 
 static PLAY: LazyLock<Result<Playground, DatError>> = LazyLock::new(|| playground(0x20, 0x20));
@@ -148,6 +162,8 @@ fn playground(x: u8, y: u8) -> Result<Playground, DatError> {
     obstacles(&mut world, x, y);
     hills(&mut world, x + 4, y);
     rooms(&mut world, x + 8, y);
+    town(&mut world, x + 12, y);
+    shore(&mut world, x + 16, y);
     for (cx, cy) in [(0, 0), (0, 0xFE), (0xFE, 0), (0xFE, 0xFE)] {
         world.block(cx, cy);
     }
@@ -157,6 +173,8 @@ fn playground(x: u8, y: u8) -> Result<Playground, DatError> {
         home: id(x, y),
         hills: id(x + 4, y),
         rooms: id(x + 8, y),
+        town: id(x + 12, y),
+        shore: id(x + 16, y),
         ball: ball_setup,
         walker,
         speck,
@@ -295,4 +313,48 @@ fn rooms(world: &mut WorldBuilder, x: u8, y: u8) {
         let out = u16::from(i > 0);
         home.connect((pair[0], out), (pair[1], 0));
     }
+    // Two rooms that share space: one door leads into the other, which begins inside the first.
+    let trick = world.environment(&[
+        Room::new(Vec3::new(-4.0, -4.0, 0.0), Vec3::new(4.0, 4.0, 3.0)).doorway(Side::North, door),
+        Room::new(Vec3::new(-4.0, -4.0, 0.0), Vec3::new(4.0, 4.0, 3.0)).doorway(Side::South, door),
+    ]);
+    let home = world.block(x, y);
+    let one = home.room(trick, 0, StoredFrame::at(TRICK.into()), 1);
+    let two = home.room(trick, 1, StoredFrame::at(Vec3::new(TRICK[0] + 1.0, TRICK[1] + 4.0, TRICK[2])), 1);
+    home.connect((one, 0), (two, 0));
+}
+
+/// Houses of one room with an open door, and walls of boxes around it.
+fn town(world: &mut WorldBuilder, x: u8, y: u8) {
+    let door = Rect {
+        u: [-1.0, 1.0],
+        v: [0.0, 2.5],
+    };
+    let room = Room::new(Vec3::new(-3.0, -3.0, 0.0), Vec3::new(3.0, 3.0, 3.0)).doorway(Side::South, door);
+    let environment = world.environment(&[room]);
+    let mut walls = Vec::new();
+    for (low, high) in [
+        ([-3.3, -3.3, 0.0], [-3.0, 3.3, 3.0]),
+        ([3.0, -3.3, 0.0], [3.3, 3.3, 3.0]),
+        ([-3.0, 3.0, 0.0], [3.0, 3.3, 3.0]),
+        ([-3.0, -3.3, 0.0], [-1.0, -3.0, 3.0]),
+        ([1.0, -3.3, 0.0], [3.0, -3.0, 3.0]),
+        ([-3.3, -3.3, 3.0], [3.3, 3.3, 3.3]),
+    ] {
+        walls.extend(block(Vec3::from(low), Vec3::from(high)));
+    }
+    let shell = world.solid(&walls);
+    let home = world.block(x, y);
+    for at in houses::AT {
+        let frame = StoredFrame::at(at.into());
+        let room = home.room(environment, 0, frame, 1);
+        home.building(shell, frame, &[(room, 0, &[room])]);
+    }
+}
+
+/// Water from the middle column on, and a block that is nothing else.
+fn shore(world: &mut WorldBuilder, x: u8, y: u8) {
+    let (land, water) = (TerrainWord::new(0, 1, 0), TerrainWord::new(0, 20, 0));
+    world.block(x, y).terrain(|column, _| if column > 3 { water } else { land });
+    world.block(x + 1, y).terrain(|_, _| water);
 }
