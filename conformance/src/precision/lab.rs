@@ -82,9 +82,14 @@ pub struct Row {
 }
 
 impl Row {
-    /// The error that a plot shows: against the truth if it is known, else against the converged reference.
+    /// The error against the truth if it is known, else against the converged reference.
     pub fn error(&self) -> Option<f64> {
         self.solution.or(self.reference).map(|found| found.max)
+    }
+
+    /// The error that a plot shows: where there is no truth, that against the oracle.
+    pub fn plotted(&self) -> Option<f64> {
+        self.error().or(self.oracle.map(|found| found.max))
     }
 }
 
@@ -99,6 +104,8 @@ pub struct SceneLab {
     pub seconds: f64,
     /// How far the converged reference moves when its quanta are twice as long, m.
     pub uncertainty: Option<f64>,
+    /// With the quanta of the reference something hangs in the air: the rest rule takes away what gravity gives. There is no reference.
+    pub hangs: bool,
     /// Errors are angles, rad.
     pub turns: bool,
     /// Observed convergence over the quanta.
@@ -138,7 +145,10 @@ fn errors(subject: &Subject, options: &Options) -> Result<SceneLab, SimulationEr
         .into_iter()
         .collect::<Result<Vec<_>, _>>()?;
     let (fine, half) = (&converged[0], &converged[1]);
-    let uncertainty = track::path(fine, half, options.horizon).map(|found| found.max);
+    let hangs = track::hangs(fine);
+    let uncertainty = track::path(fine, half, options.horizon)
+        .filter(|_| !hangs)
+        .map(|found| found.max);
     let mut of_profile: BTreeMap<&str, Vec<Track>> = BTreeMap::new();
     let mut rows = Vec::new();
     for setting in &options.grid {
@@ -161,7 +171,7 @@ fn errors(subject: &Subject, options: &Options) -> Result<SceneLab, SimulationEr
             ns_per_second: None,
             instructions_per_second: None,
             oracle: track::shown(&subject.expected, &tracks, options.horizon),
-            reference: track::path(reference, &tracks, options.horizon),
+            reference: track::path(reference, &tracks, options.horizon).filter(|_| !hangs),
             solution: subject
                 .analytic
                 .as_ref()
@@ -176,6 +186,7 @@ fn errors(subject: &Subject, options: &Options) -> Result<SceneLab, SimulationEr
         class: subject.scene.area().into(),
         seconds: seconds(&subject.scene),
         uncertainty,
+        hangs,
         turns,
         order: summary::order(&rows),
         rows,
