@@ -84,7 +84,7 @@ fn stability(text: &mut String, document: &Value) {
     let total = |path: &str| document.pointer(path).and_then(Value::as_u64).unwrap_or(0);
     let _ = writeln!(
         text,
-        "\nRules over {} scenes: {} hold all of them in every frame, {} violate one as retail does, {} are ours. Small changes at the start of {} scenes: {} contractive, {} neutral, {} growing, {} discontinuous.\n",
+        "\nRules over {} scenes: {} hold all of them in every frame, {} violate one as retail does, {} are ours. Small changes at the start of {} scenes: {} contractive, {} neutral, {} growing, {} discontinuous; {} part when the clock is off by rounding, because their frames are as long as the gate of a quantum.\n",
         array(document, "/scenes").len(),
         total("/totals/scenes/holds"),
         total("/totals/scenes/as retail"),
@@ -94,6 +94,7 @@ fn stability(text: &mut String, document: &Value) {
         total("/totals/ensembles/neutral"),
         total("/totals/ensembles/growing"),
         total("/totals/ensembles/discontinuous"),
+        total("/totals/parted_by_the_clock"),
     );
 }
 
