@@ -3,6 +3,7 @@
 mod numerics;
 mod sensitivity;
 mod speed;
+mod tools;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -12,6 +13,7 @@ use std::{
 
 pub use numerics::{Numerics, numerics_in};
 pub use speed::{Bench, Cost, benches_in, costs, machine};
+pub use tools::{Tools, tools_in};
 
 use crate::{
     run::{Mode, RunResult, StageCount, sensitivity::SceneSensitivity},
@@ -47,6 +49,8 @@ pub struct Measurements {
     pub numerics: Numerics,
     /// Benchmarks that have been run.
     pub benches: Vec<Bench>,
+    /// Bisections and shrinkings that were tried.
+    pub tools: Tools,
 }
 
 /// The page.
@@ -69,6 +73,7 @@ pub fn page(measured: &Measurements) -> String {
     sensitivity::section(&mut text, &measured.sensitivity);
     numerics::section(&mut text, &measured.numerics);
     speed::section(&mut text, &measured.benches, &measured.costs);
+    tools::section(&mut text, &measured.tools);
     text
 }
 

@@ -66,7 +66,7 @@ fn plant(name: &str, scene: &mut Scene, profile: &mut Profile) {
     };
     match name {
         "none" => {}
-        "integrator" => switch("rotation_vector", Profile::ace()),
+        "integrator" => switch("grotate_skips_tiny", Profile::ace()),
         "transition" => switch("sphere_slide", Profile::gdle()),
         "sequence" => switch("frame_number", Profile::ace()),
         // What a position update of the server asks for is lost.
@@ -184,7 +184,7 @@ fn stage(found: &Value) -> (&str, &str) {
 
 #[test]
 fn a_fault_in_the_integrator_is_found() {
-    let (found, _) = planted("integrator", "self/bounce/drop.mcap");
+    let (found, _) = planted("integrator", "self/terrain/walk-flat.mcap");
     assert_eq!(stage(&found), ("integrate", "output"), "{found:#}");
     assert!(
         found["stage"]["fields"][0][0]
@@ -237,9 +237,9 @@ fn a_crash_is_found_too_though_there_is_nothing_to_compare() {
 fn an_interrupted_search_goes_on_and_only_a_named_field_counts() {
     let scratch = Scratch::new();
     let good = scratch.commit("none", "start");
-    let first = scratch.commit("sequence", "changes the frame number");
-    let second = scratch.commit("transition", "changes the slide instead");
-    scratch.commit("transition", "words");
+    let first = scratch.commit("transition", "changes the slide");
+    let second = scratch.commit("sequence", "changes the frame number instead");
+    scratch.commit("sequence", "words");
     let range = ["--good", &good, "--bad", "HEAD", "--format", "json"];
     let trace = "self/objects/boulder.mcap";
     let found = json(&scratch.bisect(trace, &range));
@@ -250,9 +250,9 @@ fn an_interrupted_search_goes_on_and_only_a_named_field_counts() {
     let said = String::from_utf8_lossy(&again.stderr);
     assert!(said.contains("are known from before"), "{said}");
     assert!(!said.contains("built in"), "{said}");
-    // Where only the position counts, another commit is the first. What was built is still there.
-    let origin = [&range[..], &["--field", "origin"]].concat();
-    let output = scratch.bisect(trace, &origin);
+    // Where only the animation counts, another commit is the first. What was built is still there.
+    let frame_number = [&range[..], &["--field", "anim.frame_number"]].concat();
+    let output = scratch.bisect(trace, &frame_number);
     assert_eq!(json(&output)["first_bad"]["commit"], *second);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(!said.contains("are known from before"), "{said}");

@@ -11,7 +11,7 @@ use crate::profile::{AnimationBounds, Profile};
 #[derive(Debug, Clone)]
 pub struct AnimSequenceNode {
     /// `None` only where the profile appends missing animations (`N-12`).
-    animation: Option<Arc<Animation>>,
+    pub(crate) animation: Option<Arc<Animation>>,
     /// Frames per second; negative plays backwards, zero stands still.
     pub rate: f32,
     /// First frame of the range.

@@ -81,13 +81,13 @@ pub struct Pipeline {
     /// How finely time is cut; the limits of a quantum are read from the world's profile ([`Fidelity::apply`]).
     pub fidelity: Fidelity,
     /// When it last ran, s; only a limited tick rate looks at it.
-    last_tick: Option<f64>,
+    pub(crate) last_tick: Option<f64>,
     /// How many entity ticks have run; only remote entities look at it.
-    ticks: u64,
+    pub(crate) ticks: u64,
     /// When it last ran, s; only the engine gate looks at it.
-    last_update: f64,
+    pub(crate) last_update: f64,
     /// The entities of this frame, in order; reused.
-    order: Vec<EntityId>,
+    pub(crate) order: Vec<EntityId>,
 }
 
 impl Pipeline {

@@ -21,7 +21,7 @@ use crate::physics::body::EntityId;
 use crate::physics::fuzzing::{Recipe, check_membership};
 use crate::physics::placement::{PlacementFlags, SetPosition};
 use crate::physics::transition::CellArray;
-use crate::profile::Profile;
+use crate::profile::{DoNotLoad, Profile};
 
 const BLOCK: u32 = 0x1020_0000;
 const SHELL: u32 = 0x0100_0001;
@@ -316,7 +316,7 @@ fn list(world: &mut World, recipe: &mut Recipe<'_>) {
         let at = SpheresAt {
             position: &at,
             spheres: &[sphere],
-            is_path: recipe.0.len() % 2 == 0,
+            is_path: recipe.0.len().is_multiple_of(2),
             want_current: true,
         };
         let outcome = land.find_cell_list(at, &mut array, profile);
@@ -331,8 +331,13 @@ fn list(world: &mut World, recipe: &mut Recipe<'_>) {
             .is_none_or(|cell| world.cell_id(cell) == entry.id);
         assert!(named, "the entry names its cell");
     }
+    // C-02: one profile takes an outdoor cell out again that it has found to be the current one.
+    let filtered = world.profile.do_not_load == DoNotLoad::StartsIndoors;
     let listed = |cell| entries.iter().any(|e| e.cell == Some(cell));
-    assert!(current.is_none_or(listed), "the current cell is listed");
+    assert!(
+        filtered || current.is_none_or(listed),
+        "the current cell is listed"
+    );
 }
 
 #[cfg(test)]
@@ -343,7 +348,7 @@ mod tests {
     #[test]
     fn small_cells() {
         let mut random = Random::Seeded(0xCE11);
-        for _ in 0..400 {
+        for _ in 0..200 {
             let mut byte = || (random.uniform() * 127.5 + 127.5) as u8;
             let recipe: Vec<u8> = (0..700).map(|_| byte()).collect();
             super::cells(&recipe);

@@ -51,7 +51,7 @@ pub struct World {
     /// Memory that is reused.
     pub scratch: Scratch,
     /// Scratch of the loader.
-    pub(super) loading_cells: CellArray,
+    pub(crate) loading_cells: CellArray,
 }
 
 /// The two clocks of the simulation (`spec/06-physics-object.md`, B2), seconds.

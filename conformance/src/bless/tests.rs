@@ -92,7 +92,9 @@ fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("tiny.scene.json"), SCENE).unwrap();
     fs::create_dir_all(folder.path().join("worlds/w")).unwrap();
-    fs::write(folder.path().join("worlds/w/client_portal.dat"), "x").unwrap();
+    for file in ["client_portal.dat", "client_cell_1.dat"] {
+        fs::write(folder.path().join("worlds/w").join(file), "x").unwrap();
+    }
     folder
 }
 

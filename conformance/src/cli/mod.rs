@@ -113,9 +113,7 @@ pub fn main() -> ExitCode {
         Command::Precision(args) => {
             precision::run(&args, &simulator(args.worlds.as_deref(), &args.scenes))
         }
-        Command::Stability(args) => {
-            stability::run(&args, &simulator(args.worlds.as_deref(), &args.scenes))
-        }
+        Command::Stability(args) => stability::run(&args, &simulator(args.worlds.as_deref(), &[])),
         Command::Status(args) => status::run(&args, &simulator(None, &[])),
         Command::Vectors(args) => vectors::run(&args),
     };

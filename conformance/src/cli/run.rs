@@ -19,7 +19,7 @@ use crate::{
     compare::policy::Policy,
     gate::{Document, Shard},
     report_html,
-    run::{self, Mode, Options, PROFILES, baseline::Baseline, cases, report::Totals},
+    run::{self, Mode, Options, PROFILES, baseline::Baseline, cases},
 };
 
 /// Arguments of `ac-conform run`.
@@ -120,9 +120,7 @@ pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
         ));
     }
     if let Some(folder) = &args.report {
-        let totals = Totals::of(&document.results, &baseline);
-        let (results, series) = (&document.results, &document.series);
-        let file = report_html::write(folder, results, series, &totals, &baseline);
+        let file = report_html::write(folder, &document, &policy, &baseline);
         eprintln!("report: {}", file.into_diagnostic()?.display());
     }
     args.outputs.write(&document, &baseline, args.format)

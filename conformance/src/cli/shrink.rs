@@ -5,6 +5,7 @@ use std::{path::PathBuf, process::ExitCode, time::Duration};
 use ac_client::profile::Profile;
 use ac_golden_traces::corpus;
 use ac_replayer::client::ClientSimulator;
+use globset::{Glob, GlobMatcher};
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, miette};
 use std::io::IsTerminal;
@@ -59,6 +60,9 @@ pub struct Args {
     /// The program that is judged.
     #[arg(long, value_name = "FILE", requires = "good_bin")]
     bad_bin: Option<PathBuf>,
+    /// Only differences in fields of this name count: a glob, like `origin` or `contact_plane.*`.
+    #[arg(long, value_name = "GLOB")]
+    field: Option<String>,
     /// Folder of the worlds. Default: the bundled worlds.
     #[arg(long)]
     worlds: Option<PathBuf>,
@@ -90,6 +94,12 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     };
     let scene = hash::scene_of(&case).into_diagnostic()?;
     let name = scene.name.clone();
+    if scene.features.iter().any(|feature| feature == "packets") {
+        return Err(miette!(
+            help = "`ac-conform bisect` works on packet sessions too",
+            "{name} is a session of packets: there are no entities, steps or frames to take out of its scene"
+        ));
+    }
     let world = ClientSimulator::new(&worlds).world(&scene.world);
     let records = Records::of(&*world.into_diagnostic()?).into_diagnostic()?;
     let whole = Candidate::new(scene, records);
@@ -165,15 +175,22 @@ fn profile(name: &str) -> miette::Result<Profile> {
     })
 }
 
+fn field(args: &Args) -> miette::Result<Option<GlobMatcher>> {
+    let glob = args.field.as_deref().map(Glob::new).transpose();
+    Ok(glob.into_diagnostic()?.map(|glob| glob.compile_matcher()))
+}
+
 fn side(args: &Args, whole: &Candidate) -> miette::Result<Side> {
     let own = match args.profile.as_str() {
         "auto" => "retail",
         name => name,
     };
     if let (Some(good), Some(bad)) = (&args.good_bin, &args.bad_bin) {
-        let judge = TwoPrograms::new(good, bad, own, Duration::from_secs(60));
+        let mut judge =
+            TwoPrograms::new(good, bad, own, Duration::from_secs(60)).into_diagnostic()?;
+        judge.field = field(args)?;
         return Ok(Side {
-            judge: Box::new(judge.into_diagnostic()?),
+            judge: Box::new(judge),
             oracle: own.into(),
             rerun: "(with the ac-conform of the bad build)".into(),
         });
@@ -194,7 +211,11 @@ fn side(args: &Args, whole: &Candidate) -> miette::Result<Side> {
             (switch.copy)(&mut expected, &from);
         }
         return Ok(Side {
-            judge: Box::new(TwoProfiles { expected, actual }),
+            judge: Box::new(TwoProfiles {
+                expected,
+                actual,
+                field: field(args)?,
+            }),
             oracle: against.clone(),
             rerun: format!("--profile {own}"),
         });
@@ -223,12 +244,14 @@ fn recorded(args: &Args, whole: &Candidate) -> miette::Result<Side> {
         };
         let actual = profile(&own)?;
         let mut judge = Recorded::new(whole, expected, actual.clone()).into_diagnostic()?;
+        judge.field = field(args)?;
         let missed = judge.judge(whole, None).into_diagnostic()?.is_some();
         if let Some(theirs) = Profile::named(profile_of(&oracle)).filter(|theirs| *theirs != actual)
         {
             judge.stages = Some(TwoProfiles {
                 expected: theirs,
                 actual,
+                field: None,
             });
         }
         last = Some(Side {

@@ -46,6 +46,16 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// Every verdict, from the best to the worst.
+    pub const ALL: [Self; 6] = [
+        Self::Exact,
+        Self::WithinTolerance,
+        Self::Known,
+        Self::Changed,
+        Self::New,
+        Self::Flaky,
+    ];
+
     /// Its name in reports.
     pub const fn name(self) -> &'static str {
         match self {

@@ -7,11 +7,12 @@ use std::{
 };
 
 use ac_client::{
-    frame::{FrameState, FrameStates},
+    frame::{FrameState, FrameStates, state::Fields},
     profile::Profile,
 };
 use ac_golden_traces::trace::rewrite::Frame;
 use ac_replayer::{Simulation, client::SceneRun};
+use globset::GlobMatcher;
 use serde::Serialize;
 use serde_json::value::RawValue;
 
@@ -78,6 +79,27 @@ pub trait Judge {
     /// # Errors
     /// When it cannot be run.
     fn expectation(&mut self, candidate: &Candidate) -> Result<Vec<Frame>, ShrinkError>;
+
+    /// The only fields that count, if not all do.
+    fn field(&self) -> Option<&GlobMatcher>;
+}
+
+/// Leaves out of a record what does not count, as if nobody knew it. Frame, time, entity and cell cannot be left out.
+pub(super) fn keep_only(state: &mut FrameState, field: &GlobMatcher) {
+    let mut kept = Fields::empty();
+    for (name, bit) in state.has.iter_names() {
+        let name = name.to_lowercase();
+        let (whole, part) = match name.split_once('_') {
+            Some(("plane", part)) => (Fields::CONTACT_PLANE, format!("contact_plane.{part}")),
+            Some(("anim", part)) => (Fields::ANIM, format!("anim.{part}")),
+            Some(("motion", part)) => (Fields::MOTION, format!("motion.{part}")),
+            _ => (bit, name),
+        };
+        if field.is_match(&part) {
+            kept |= bit | whole;
+        }
+    }
+    state.has = kept & state.has;
 }
 
 /// A run of a candidate under a profile, frame by frame.
@@ -131,6 +153,8 @@ pub struct TwoProfiles {
     pub expected: Profile,
     /// What is judged.
     pub actual: Profile,
+    /// Only differences of fields with this name count.
+    pub field: Option<GlobMatcher>,
 }
 
 impl TwoProfiles {
@@ -146,8 +170,9 @@ impl TwoProfiles {
                 .zip(actual.states.iter())
                 .any(|(a, b)| !same(a, b));
             if differing {
+                let field = self.field.as_ref();
                 let places =
-                    verdict::differences(frame, &expected.states, Some(&actual.states), None);
+                    verdict::differences(frame, &expected.states, Some(&actual.states), field);
                 // A not-a-number with other bits is no difference.
                 if let Some(place) = places.into_iter().next() {
                     return Ok(Some(place));
@@ -217,6 +242,10 @@ impl Judge for TwoProfiles {
             })
             .collect()
     }
+
+    fn field(&self) -> Option<&GlobMatcher> {
+        self.field.as_ref()
+    }
 }
 
 /// The library under a profile beside an expectation that cannot be computed again.
@@ -228,6 +257,8 @@ pub struct Recorded {
     pub profile: Profile,
     /// What the library did in the whole scene: a candidate has to do the same.
     produced: Vec<FrameStates>,
+    /// Only differences of fields with this name count.
+    pub field: Option<GlobMatcher>,
     /// The two profiles that tell the stage, when the oracle's own profile meets the expectation.
     pub stages: Option<TwoProfiles>,
 }
@@ -254,6 +285,7 @@ impl Recorded {
             expected,
             profile,
             produced,
+            field: None,
             stages: None,
         })
     }
@@ -293,7 +325,8 @@ impl Judge for Recorded {
                 && found.is_none()
             {
                 let tracked = self.tracked(candidate, states);
-                let places = verdict::differences(frame, &tracked, Some(&side.states), None);
+                let field = self.field.as_ref();
+                let places = verdict::differences(frame, &tracked, Some(&side.states), field);
                 found = places.into_iter().next();
             }
         }
@@ -326,6 +359,10 @@ impl Judge for Recorded {
             .map(|(frame, time, states)| (*frame, *time, self.tracked(candidate, states)))
             .collect())
     }
+
+    fn field(&self) -> Option<&GlobMatcher> {
+        self.field.as_ref()
+    }
 }
 
 /// Two programs: the first is expected, the second is judged.
@@ -339,6 +376,8 @@ pub struct TwoPrograms {
     pub profile: String,
     /// A run that takes longer has failed.
     pub timeout: Duration,
+    /// Only differences of fields with this name count.
+    pub field: Option<GlobMatcher>,
     /// Folder for the scenes that they run.
     pub scratch: tempfile::TempDir,
     /// The world that is in the folder.
@@ -356,6 +395,7 @@ impl TwoPrograms {
             bad: bad.into(),
             profile: profile.into(),
             timeout,
+            field: None,
             scratch: tempfile::tempdir()?,
             written: None,
         })
@@ -375,7 +415,7 @@ impl TwoPrograms {
             trace: scene,
             worlds,
             profile: self.profile.clone(),
-            field: None,
+            field: self.field.clone(),
             expected: Default::default(),
             timeout: self.timeout,
         })
@@ -434,5 +474,9 @@ impl Judge for TwoPrograms {
                 "the good program does not run the shrunk scene".into(),
             )),
         }
+    }
+
+    fn field(&self) -> Option<&GlobMatcher> {
+        self.field.as_ref()
     }
 }

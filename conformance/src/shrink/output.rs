@@ -11,7 +11,7 @@ use ac_golden_traces::{
 
 use serde::Serialize;
 
-use super::{Judge, Shown, ShrinkError, Shrunk, Size, candidate::Records};
+use super::{Judge, Shown, ShrinkError, Shrunk, Size, candidate::Records, judge::keep_only};
 
 fn io(path: &Path) -> impl FnOnce(std::io::Error) -> GoldenError + '_ {
     move |source| GoldenError::Io {
@@ -124,7 +124,12 @@ pub fn write(
     candidate.scene.name = format!("shrunk/{plain}");
     candidate.scene.world = format!("shrunk-{plain}");
     candidate.scene.summary = format!("What is left of {from}: {}", candidate.scene.summary);
-    let frames = judge.expectation(&candidate)?;
+    let mut frames = judge.expectation(&candidate)?;
+    if let Some(field) = judge.field() {
+        for (_, _, states) in &mut frames {
+            states.iter_mut().for_each(|state| keep_only(state, field));
+        }
+    }
     let file = |ending: &str| folder.join(format!("{plain}{ending}"));
     let paths = [file(".scene.json"), file(".expect.jsonl")];
     write_scene(&paths[0], &candidate.scene)?;

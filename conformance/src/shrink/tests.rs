@@ -35,6 +35,7 @@ fn one_switch(switch: &str, from: &Profile) -> TwoProfiles {
     TwoProfiles {
         expected,
         actual: Profile::retail(),
+        field: None,
     }
 }
 
@@ -63,6 +64,26 @@ fn a_scene_shrinks_to_what_the_divergence_needs() {
 }
 
 #[test]
+fn only_a_named_field_counts_and_is_expected() {
+    // The two profiles differ in an event before the first frame; the position parts later.
+    let mut judge = TwoProfiles {
+        expected: Profile::gdle(),
+        actual: Profile::retail(),
+        field: Some(globset::Glob::new("origin").unwrap().compile_matcher()),
+    };
+    let small = shrunk("jump/running", &mut judge, 3000);
+    assert_eq!(small.shown.field_name(), "origin");
+    assert!(small.shown.place.divergence.frame >= 0);
+    let folder = tempfile::tempdir().unwrap();
+    output::write(folder.path(), "jump/running", "gdle", &small, &mut judge).unwrap();
+    let text = fs::read_to_string(folder.path().join("jump-running.expect.jsonl")).unwrap();
+    assert!(
+        text.contains("\"origin\"") && !text.contains("\"velocity\""),
+        "{text}"
+    );
+}
+
+#[test]
 fn the_budget_is_kept_and_what_was_found_so_far_is_answered() {
     let mut judge = one_switch("sphere_slide", &Profile::gdle());
     let small = shrunk("objects/boulder", &mut judge, 12);
@@ -76,6 +97,7 @@ fn what_does_not_diverge_cannot_be_shrunk() {
     let mut judge = TwoProfiles {
         expected: Profile::retail(),
         actual: Profile::retail(),
+        field: None,
     };
     let error = shrink(candidate("bounce/drop"), &mut judge, 10, &|_, _| ()).unwrap_err();
     assert!(matches!(error, ShrinkError::Nothing(_)), "{error}");

@@ -17,6 +17,7 @@
 
 mod reader;
 pub mod rewrite;
+mod seek;
 pub mod version;
 mod writer;
 
@@ -27,6 +28,7 @@ use serde::{Deserialize, Serialize};
 use crate::expect::Header;
 
 pub use reader::{ChannelFilter, StageMessage, TraceEvent, TraceReader};
+pub use seek::SeekableTrace;
 pub use version::FormatVersion;
 pub use writer::{Compression, TraceWriter};
 

@@ -158,6 +158,30 @@ impl<W: Write + Seek> TraceWriter<W> {
         Ok(())
     }
 
+    /// Begins the file at a later frame: its inputs are those of `frame`, at `time`, and after. To be called before the first
+    /// [`TraceWriter::write_inputs`]; log times are as if the frames before had been written.
+    ///
+    /// # Errors
+    /// When writing fails.
+    pub fn begin_at(&mut self, scene: &Scene, frame: u32, time: f64) -> McapResult<()> {
+        let before = scene.times().take(frame as usize).map(nanoseconds);
+        self.log_time = before.fold(nanoseconds(scene.start_time), u64::max);
+        while let Some(run) = scene.frames.get(self.next_run)
+            && self.next_run_frame < frame
+        {
+            let end = self.next_run_frame.saturating_add(run.count);
+            if end > frame {
+                let (dt, count) = (run.dt, end - frame);
+                self.clock(ClockRun { frame, dt, count }, time)?;
+            }
+            self.next_run += 1;
+            self.next_run_frame = end;
+        }
+        let steps = scene.script.iter();
+        self.next_step = steps.take_while(|step| step.frame < frame).count();
+        Ok(())
+    }
+
     fn clock(&mut self, run: ClockRun, time: f64) -> McapResult<()> {
         self.buffer.clear();
         serde_json::to_writer(&mut self.buffer, &run).map_err(std::io::Error::from)?;
@@ -211,6 +235,27 @@ impl<W: Write + Seek> TraceWriter<W> {
             sequence(frame.into()),
             time,
         )
+    }
+
+    /// Attaches bytes that belong to a time of the scene's clock, s. The messages before them end a chunk.
+    ///
+    /// # Errors
+    /// When writing fails.
+    pub fn attach(
+        &mut self,
+        name: &str,
+        media_type: &str,
+        time: f64,
+        data: &[u8],
+    ) -> McapResult<()> {
+        self.log_time = self.log_time.max(nanoseconds(time));
+        self.mcap.attach(&mcap::Attachment {
+            log_time: self.log_time,
+            create_time: self.log_time,
+            name: name.into(),
+            media_type: media_type.into(),
+            data: data.into(),
+        })
     }
 
     fn send(&mut self, kind: &ChannelKind, sequence: u32, time: f64) -> McapResult<()> {
@@ -268,6 +313,6 @@ pub(super) fn sequence(frame: i64) -> u32 {
 }
 
 /// Clock seconds as a log time. Negative and not-a-number become 0, the infinite future the largest time.
-fn nanoseconds(time: f64) -> u64 {
+pub(super) fn nanoseconds(time: f64) -> u64 {
     (time * 1e9).round() as u64
 }

@@ -42,8 +42,11 @@ fn config(name: &str, script: &str) -> LoopbackConfig {
 
 #[test]
 fn a_session_from_login_to_log_off() {
-    let mut session = Loopback::new(&config("lifecycle/create-destroy", "forward 1\njump\nsay hello\nwait 4"))
-        .expect("a session");
+    let mut session = Loopback::new(&config(
+        "lifecycle/create-destroy",
+        "forward 1\njump\nsay hello\nwait 4",
+    ))
+    .expect("a session");
     let mut worst = 0.0f32;
     while !session.is_over() {
         let done: Result<(), core::convert::Infallible> = session.step(|_, _, _, _| Ok(()));
@@ -52,9 +55,17 @@ fn a_session_from_login_to_log_off() {
             worst = worst.max(s.client.distance(&s.server));
         }
     }
-    eprintln!("worst {worst} {:?} {:?}", session.server.stats(), session.client.stage.stats);
-    for note in &session.client.stage.notes { eprintln!("note {note:?}"); }
-    while let Some(n) = session.server.poll_note() { eprintln!("{n:?}"); }
+    eprintln!(
+        "worst {worst} {:?} {:?}",
+        session.server.stats(),
+        session.client.stage.stats
+    );
+    for note in &session.client.stage.notes {
+        eprintln!("note {note:?}");
+    }
+    while let Some(n) = session.server.poll_note() {
+        eprintln!("{n:?}");
+    }
     for (t, h) in &session.happenings {
         match h {
             Happening::Message(m, v) => eprintln!("{t:.2} {} {v:?}", m.name()),
@@ -62,6 +73,10 @@ fn a_session_from_login_to_log_off() {
         }
     }
     assert_eq!(session.client.state(), ClientState::Closed);
-    assert!(session.client.stage.notes.is_empty(), "{:?}", session.client.stage.notes);
+    assert!(
+        session.client.stage.notes.is_empty(),
+        "{:?}",
+        session.client.stage.notes
+    );
     let _ = Verdict::Applied;
 }

@@ -4,6 +4,7 @@ mod entity;
 pub mod planning;
 mod scene;
 mod script;
+mod snapshot;
 mod stages;
 
 use std::collections::BTreeMap;
@@ -18,6 +19,8 @@ use ac_golden_traces::Scene;
 pub use planning::PlanChoice;
 pub use scene::{ScenePlan, SceneRun};
 pub use script::params as move_parameters;
+pub use snapshot::SCENE_VERSION;
+pub(crate) use snapshot::to_json as snapshot_to_json;
 
 use crate::simulation::{Simulation, SimulationError, Simulator};
 
@@ -138,6 +141,18 @@ impl Simulator for ClientSimulator {
         profile: &Profile,
     ) -> Result<Box<dyn Simulation>, SimulationError> {
         Ok(Box::new(self.run(scene, profile)?))
+    }
+
+    fn resume(
+        &self,
+        scene: &Scene,
+        profile: &Profile,
+        snapshot: &[u8],
+    ) -> Result<Box<dyn Simulation>, SimulationError> {
+        let source = self.world(&scene.world)?;
+        Ok(Box::new(SceneRun::resume(
+            scene, source, profile, snapshot,
+        )?))
     }
 }
 

@@ -27,17 +27,17 @@ use crate::simulation::{Simulation, SimulationError};
 pub struct SceneRun {
     /// Everything that exists.
     pub world: World,
-    scene: Scene,
-    pipeline: Pipeline,
+    pub(super) scene: Scene,
+    pub(super) pipeline: Pipeline,
     /// By GUID: the newest object that was created under it.
-    objects: BTreeMap<u32, SceneObject>,
+    pub(super) objects: BTreeMap<u32, SceneObject>,
     /// The next step of the script.
-    next_step: usize,
+    pub(super) next_step: usize,
     /// Notes about creations, in order.
-    notes: Vec<String>,
-    source: Arc<DatSet>,
+    pub(super) notes: Vec<String>,
+    pub(super) source: Arc<DatSet>,
     /// The same scene beside stage records; made by the first that needs it.
-    companion: Option<Box<stages::Companion>>,
+    pub(super) companion: Option<Box<stages::Companion>>,
 }
 
 /// A plan with what is needed to carry it out.
@@ -63,10 +63,10 @@ impl Latent for LateEntity {
 
 /// An entity of the scene.
 #[derive(Debug, Clone, Copy)]
-struct SceneObject {
-    id: EntityId,
+pub(super) struct SceneObject {
+    pub id: EntityId,
     /// A step has destroyed it: it exists outside world and object table.
-    destroyed: bool,
+    pub destroyed: bool,
 }
 
 /// Runs the script steps of a frame as its input stage.
@@ -366,6 +366,15 @@ impl Simulation for SceneRun {
         self.run_frame(frame, &mut CheckpointProbe::new(frame, checkpoints));
         self.write_records(i32::try_from(frame).unwrap_or(i32::MAX), out);
         Ok(())
+    }
+
+    fn records(&self, frame: i32, out: &mut FrameStates) -> Result<(), SimulationError> {
+        self.write_records(frame, out);
+        Ok(())
+    }
+
+    fn snapshot(&self) -> Result<Option<Vec<u8>>, SimulationError> {
+        self.take_snapshot().map(Some)
     }
 
     fn load_state(&mut self, expected: &FrameState) -> Result<(), SimulationError> {

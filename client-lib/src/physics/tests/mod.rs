@@ -2,6 +2,7 @@
 
 mod attachment;
 mod attack;
+mod choices;
 mod clock;
 mod endings;
 mod limits;

@@ -7,7 +7,7 @@ use crate::physics::state::PhysicsState;
 use crate::profile::Unmoved;
 
 /// An object whose default animation moves it north by `step` m per frame, 30 frames a second.
-fn creeping(profile: Profile, step: f32) -> (World, EntityId) {
+pub(super) fn creeping(profile: Profile, step: f32) -> (World, EntityId) {
     let mut world = WorldBuilder::new();
     let cube = world.solid(&block(Vec3::new(-0.3, -0.3, 0.0), Vec3::new(0.3, 0.3, 1.8)));
     let frames = (0..30).map(|_| {

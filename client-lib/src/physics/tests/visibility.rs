@@ -196,6 +196,41 @@ fn on_demand_only_what_has_no_cell_is_lost() {
     check_membership(&world, id);
 }
 
+/// A block that comes back because another one's static object reaches into it: shadows that were thrown there are back, too.
+#[test]
+fn shadows_are_linked_again_whoever_needs_the_block() {
+    let mut world = WorldBuilder::new();
+    let cube = world.solid(&block(Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, 1.0, 2.0)));
+    world.setup(SetupBuilder::humanoid(cube, 1.8, 0.48));
+    // At the eastern border, so that it reaches into the next block.
+    world
+        .block(0x11, 0x20)
+        .object(cube, Vec3::new(191.5, 36.0, 0.0), 0.0);
+    world.block(0x13, 0x20);
+    let dats = world.surround().build().expect("the world is well formed");
+    let mut world = World::with_source(Profile::retail(), 100.0, Arc::new(dats));
+    let id = walker(&mut world, in_cell(0x1320_0002, 0.2, 36.0, 0.0));
+    let linked = |world: &World| {
+        let shadows = &world.entity(id).expect("there").body.shadows;
+        shadows
+            .iter()
+            .map(|s| (s.id.block(), s.cell.is_some()))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(linked(&world), [(0x1320, true), (0x1220, true)]);
+    for gone in [0x1220_0001, 0x1120_0001] {
+        world.unload_block(CellId(gone));
+    }
+    assert_eq!(linked(&world), [(0x1320, true), (0x1220, false)]);
+    world.visible_cell(CellId(0x1120_0001));
+    assert!(
+        world.land.block(CellId(0x1220_0001)).is_some(),
+        "the crate reaches it"
+    );
+    assert_eq!(linked(&world), [(0x1320, true), (0x1220, true)]);
+    check_membership(&world, id);
+}
+
 /// 8.19: an indoor cell that goes takes its objects out of sight; they come back with it.
 #[test]
 fn rooms_come_and_go_with_what_sees_them() {

@@ -67,17 +67,17 @@ impl Triangle {
 /// Terrain of one landblock, in its own space (m).
 #[derive(Debug, Clone)]
 pub struct TerrainBlock {
-    block: CellId,
-    source: TerrainVertices,
-    detail: Option<Detail>,
+    pub(crate) block: CellId,
+    pub(crate) source: TerrainVertices,
+    pub(crate) detail: Option<Detail>,
     /// Index `i * (side + 1) + j`.
-    vertices: Vec<Vec3>,
+    pub(crate) vertices: Vec<Vec3>,
     /// Index `2 * (x * side + y) + k`.
-    triangles: Vec<Triangle>,
+    pub(crate) triangles: Vec<Triangle>,
     /// Bit `x * side + y`: the square is cut from south-west to north-east.
-    cuts: u64,
-    cell_water: [WaterType; CELLS],
-    block_water: WaterType,
+    pub(crate) cuts: u64,
+    pub(crate) cell_water: [WaterType; CELLS],
+    pub(crate) block_water: WaterType,
 }
 
 impl TerrainBlock {
