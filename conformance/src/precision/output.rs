@@ -16,6 +16,8 @@ pub const SCHEMA: &str = "ac-conform-precision/1";
 pub fn document(labs: &[SceneLab]) -> Value {
     json!({
         "schema": SCHEMA,
+        "machine": crate::status::machine(),
+        "build": if cfg!(debug_assertions) { "debug" } else { "release" },
         "good": GOOD,
         "scenes": labs,
         "recommendations": recommendations(labs),

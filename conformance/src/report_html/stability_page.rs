@@ -110,7 +110,10 @@ fn ensembles(body: &mut String, ensembles: &[Ensemble]) {
             let count = ensembles.iter().filter(|e| e.class == class).count();
             let _ = write!(body, "<td class=\"n\">{count}</td>");
         }
-        let clock = ensembles.iter().filter(|e| e.clock == Class::Discontinuous).count();
+        let clock = ensembles
+            .iter()
+            .filter(|e| e.clock == Class::Discontinuous)
+            .count();
         let _ = write!(body, "<td class=\"n\">{clock}</td>");
         let mut kinds: BTreeMap<&str, usize> = BTreeMap::new();
         for event in ensembles

@@ -141,6 +141,10 @@ pub fn sentence(report: &Report) -> String {
         class(Class::Neutral),
         class(Class::Growing),
         class(Class::Discontinuous),
-        report.ensembles.iter().filter(|e| e.clock == Class::Discontinuous).count(),
+        report
+            .ensembles
+            .iter()
+            .filter(|e| e.clock == Class::Discontinuous)
+            .count(),
     )
 }
