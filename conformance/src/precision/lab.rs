@@ -77,6 +77,8 @@ pub struct Row {
     pub solution: Option<Distance>,
     /// Smooth phases, against f64.
     pub smooth: Option<SmoothError>,
+    /// It is the converged reference itself, which has no distance from it.
+    pub is_reference: bool,
     /// No other setting is both cheaper and nearer.
     pub pareto: bool,
 }
@@ -89,7 +91,8 @@ impl Row {
 
     /// The error that a plot shows: where there is no truth, that against the oracle.
     pub fn plotted(&self) -> Option<f64> {
-        self.error().or(self.oracle.map(|found| found.max))
+        let shown = self.oracle.filter(|_| !self.is_reference);
+        self.error().or(shown.map(|found| found.max))
     }
 }
 
@@ -166,17 +169,21 @@ fn errors(subject: &Subject, options: &Options) -> Result<SceneLab, SimulationEr
             }
             &of_profile[setting.profile]
         };
+        let finest = setting.quanta_per_second == Some(REFERENCE[0]);
+        let is_reference = finest && setting.frame_rate.is_none();
         rows.push(Row {
             setting: setting.clone(),
             ns_per_second: None,
             instructions_per_second: None,
             oracle: track::shown(&subject.expected, &tracks, options.horizon),
-            reference: track::path(reference, &tracks, options.horizon).filter(|_| !hangs),
+            reference: track::path(reference, &tracks, options.horizon)
+                .filter(|_| !hangs && !is_reference),
             solution: subject
                 .analytic
                 .as_ref()
                 .and_then(|case| against(case, &tracks, options.horizon)),
             smooth: smooth(&scene, &tracks),
+            is_reference: is_reference && !hangs,
             pareto: false,
         });
     }

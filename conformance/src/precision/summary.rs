@@ -233,6 +233,7 @@ mod tests {
             reference: Some(found),
             solution: None,
             smooth: None,
+            is_reference: false,
             pareto: false,
         }
     }
