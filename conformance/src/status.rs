@@ -1,7 +1,9 @@
 //! `docs/status.md`: what matches how well, from measurements only.
 
+mod numerics;
 mod sensitivity;
 mod speed;
+mod tools;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -9,7 +11,9 @@ use std::{
     time::Duration,
 };
 
+pub use numerics::{Numerics, numerics_in};
 pub use speed::{Bench, Cost, benches_in, costs, machine};
+pub use tools::{Tools, tools_in};
 
 use crate::{
     run::{Mode, RunResult, StageCount, sensitivity::SceneSensitivity},
@@ -41,8 +45,12 @@ pub struct Measurements {
     pub threads: usize,
     /// Costs of a tick.
     pub costs: Vec<Cost>,
+    /// Stability and precision.
+    pub numerics: Numerics,
     /// Benchmarks that have been run.
     pub benches: Vec<Bench>,
+    /// Bisections and shrinkings that were tried.
+    pub tools: Tools,
 }
 
 /// The page.
@@ -63,7 +71,9 @@ pub fn page(measured: &Measurements) -> String {
     stages(&mut text, &measured.runs);
     retail(&mut text, &measured.retail);
     sensitivity::section(&mut text, &measured.sensitivity);
+    numerics::section(&mut text, &measured.numerics);
     speed::section(&mut text, &measured.benches, &measured.costs);
+    tools::section(&mut text, &measured.tools);
     text
 }
 

@@ -32,14 +32,14 @@ pub struct PartArray {
     pub parts: Vec<Option<PhysicsPart>>,
     /// Animation hooks that wait to be executed, in order.
     pub hooks: AnimHookQueue,
-    setup: Option<Arc<Setup>>,
-    scale: Vec3,
+    pub(crate) setup: Option<Arc<Setup>>,
+    pub(crate) scale: Vec3,
     /// Of the setup: see [`PartArray::obstacle_reach`].
-    obstacle_reach: f32,
+    pub(crate) obstacle_reach: f32,
 }
 
 impl PartArray {
-    fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         Self {
             sequence: Sequence::new(),
             motion_table: None,
@@ -144,7 +144,7 @@ impl PartArray {
         Ok(true)
     }
 
-    fn take_setup(&mut self, setup: Arc<Setup>) {
+    pub(crate) fn take_setup(&mut self, setup: Arc<Setup>) {
         self.obstacle_reach = reach_of(&setup);
         self.setup = Some(setup);
     }

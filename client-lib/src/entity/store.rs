@@ -13,21 +13,21 @@ use crate::world::World;
 /// world as an argument. While it is out, lookups do not find it: what it needs of itself it has.
 #[derive(Debug, Default)]
 pub struct Entities {
-    slots: Vec<Option<Box<Entity>>>,
+    pub(crate) slots: Vec<Option<Box<Entity>>>,
     /// The object table in order of registration.
-    table: Vec<EntityId>,
+    pub(crate) table: Vec<EntityId>,
     /// By handle: is in the table.
-    registered: Vec<bool>,
-    by_guid: HashMap<u32, EntityId>,
+    pub(crate) registered: Vec<bool>,
+    pub(crate) by_guid: HashMap<u32, EntityId>,
     /// By handle: the clock of an object that rests, s; [`AWAKE`] for the others.
     ///
     /// An object at rest does nothing but keep its clock. So that it is not even looked at, its clock is kept here until somebody takes the
     /// object or changes it; until then its own [`update_time`](super::Kinetics::update_time) is old, and nothing reads it.
-    resting: Vec<f64>,
+    pub(crate) resting: Vec<f64>,
     /// By handle: has ended; its handle names nothing any more.
-    gone: Vec<bool>,
+    pub(crate) gone: Vec<bool>,
     /// Objects that are to end when they are put back, and how.
-    ending: Vec<(EntityId, Ending)>,
+    pub(crate) ending: Vec<(EntityId, Ending)>,
 }
 
 /// How an object ends that was taken out when somebody asked for its end.
@@ -68,6 +68,13 @@ impl Entities {
         self.table.retain(|&e| e != id);
         self.by_guid.retain(|_, e| *e != id);
         self.mark(id, false);
+    }
+
+    /// Moves an object of the object table to its beginning.
+    pub(crate) fn move_to_front(&mut self, id: EntityId) {
+        if let Some(at) = self.table.iter().position(|&e| e == id) {
+            self.table[..=at].rotate_right(1);
+        }
     }
 
     fn mark(&mut self, id: EntityId, registered: bool) {
@@ -233,6 +240,7 @@ impl World {
 
     /// An entity; `None` if it is taken out at the moment, or gone.
     pub fn entity_mut(&mut self, id: EntityId) -> Option<&mut Entity> {
+        self.catch_up(id);
         self.entities.get_mut(id)
     }
 
@@ -247,6 +255,7 @@ impl World {
         id: EntityId,
         f: impl FnOnce(&mut Entity, &mut Self) -> R,
     ) -> Option<R> {
+        self.catch_up(id);
         let mut entity = self.entities.take(id)?;
         let result = f(&mut entity, self);
         self.entities.put(entity);

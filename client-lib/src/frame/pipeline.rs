@@ -3,6 +3,7 @@
 //! Network, streaming, input, entity tick, render, plugin. The library owns the entity tick; a [`Host`] (a client, a scene driver, a replayer)
 //! fills in the others, each with the world in its hands. The clock advances first and stands still until the next frame.
 
+use super::fidelity::Fidelity;
 use super::probe::{NoProbe, Probe};
 use crate::physics::body::EntityId;
 use crate::world::World;
@@ -77,10 +78,16 @@ pub enum Pacing {
 pub struct Pipeline {
     /// How often the entity tick runs.
     pub pacing: Pacing,
+    /// How finely time is cut; the limits of a quantum are read from the world's profile ([`Fidelity::apply`]).
+    pub fidelity: Fidelity,
+    /// When it last ran, s; only a limited tick rate looks at it.
+    pub(crate) last_tick: Option<f64>,
+    /// How many entity ticks have run; only remote entities look at it.
+    pub(crate) ticks: u64,
     /// When it last ran, s; only the engine gate looks at it.
-    last_update: f64,
+    pub(crate) last_update: f64,
     /// The entities of this frame, in order; reused.
-    order: Vec<EntityId>,
+    pub(crate) order: Vec<EntityId>,
 }
 
 impl Pipeline {
@@ -106,6 +113,7 @@ impl Pipeline {
         probe: &mut P,
     ) {
         world.clock.now = now;
+        world.begin_planned_frame();
         host.network(world);
         host.streaming(world);
         self.maintain(world, host);
@@ -137,11 +145,20 @@ impl Pipeline {
         if self.pacing == Pacing::EngineGate && !self.gate_is_open(world) {
             return;
         }
+        if self.fidelity.skips_tick(self.last_tick, world.clock.now) {
+            return;
+        }
+        self.last_tick = Some(world.clock.now);
+        self.ticks += 1;
         // What is created meanwhile is first visited in the next frame.
         self.order.clear();
         self.order.extend_from_slice(world.entities.table());
+        world.set_in_tick(true);
         for &id in &self.order {
             if !world.entities.is_registered(id) {
+                continue;
+            }
+            if self.fidelity.skips_entity(id, self.ticks, world) {
                 continue;
             }
             world.update_entity(id, probe);
@@ -149,6 +166,7 @@ impl Pipeline {
                 host.player_updated(world);
             }
         }
+        world.set_in_tick(false);
         world.animate_statics();
         self.last_update = world.clock.now;
     }

@@ -31,6 +31,7 @@ impl World {
     ) -> Result<EntityId, PartArrayError> {
         let mut entity = self.entities.create(guid, self.clock.now);
         entity.body.state.set(PhysicsState::STATIC, !dynamic);
+        entity.unposed = self.plan.as_ref().is_some_and(|p| p.omits_pose(guid));
         let id = entity.id;
         match entity.init_part_array(data_id, self) {
             Err(error) if !self.profile.failed_creation_kept => return Err(error),

@@ -11,9 +11,9 @@ const DESTRUCTION_TIME: f64 = 25.0;
 /// Objects whose cell is not loaded, by cell id.
 #[derive(Debug, Clone, Default)]
 pub struct LostCells {
-    cells: BTreeMap<CellId, Vec<EntityId>>,
+    pub(crate) cells: BTreeMap<CellId, Vec<EntityId>>,
     /// Objects whose cell was loaded and who have not re-entered yet, in the order in which the cells came.
-    arrived: Vec<EntityId>,
+    pub(crate) arrived: Vec<EntityId>,
 }
 
 impl LostCells {
@@ -69,7 +69,7 @@ impl LostCells {
 /// Objects out of sight and when they are due, s.
 #[derive(Debug, Clone, Default)]
 pub struct DestructionQueue {
-    due: BTreeMap<EntityId, f64>,
+    pub(crate) due: BTreeMap<EntityId, f64>,
 }
 
 impl DestructionQueue {

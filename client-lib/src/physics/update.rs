@@ -59,6 +59,13 @@ impl Quantum {
 impl World {
     /// Advances one entity to the present frame time (`update_object`, B3).
     pub fn update_entity<P: Probe>(&mut self, id: EntityId, probe: &mut P) {
+        if !self.is_put_off(id) {
+            self.advance(id, probe);
+        }
+    }
+
+    /// Advances one entity to the present frame time, whatever the plan says.
+    pub(crate) fn advance<P: Probe>(&mut self, id: EntityId, probe: &mut P) {
         if let Some(clock) = self.entities.resting_since(id)
             && self.goes_on_resting(id, clock)
         {
@@ -69,7 +76,11 @@ impl World {
         let Some(mut entity) = self.entities.take(id) else {
             return;
         };
+        let before = self.stance(&entity);
         entity.update_object(self, probe);
+        if let Some(before) = before {
+            self.consider_idle(&entity, before);
+        }
         let (rests, clock) = (entity.rests(), entity.kin.update_time);
         self.entities.put(entity);
         if rests {

@@ -121,7 +121,7 @@ impl World {
 
     fn body_mut(&mut self, object: ObjectRef) -> Option<&mut Body> {
         match object {
-            ObjectRef::Entity(id) => Some(&mut self.entities.get_mut(id)?.body),
+            ObjectRef::Entity(id) => Some(&mut self.entity_mut(id)?.body),
             ObjectRef::Static(id) => self.land.static_body_mut(id),
         }
     }

@@ -16,9 +16,9 @@ use crate::physics::body::{EntityId, StaticId};
 /// What the client keeps loaded around its load point.
 #[derive(Debug, Clone, Default)]
 pub struct Streaming {
-    window: LandscapeWindow,
+    pub(crate) window: LandscapeWindow,
     /// The table of visible indoor cells, as it was asked for: also cells that do not exist.
-    rooms: BTreeSet<CellId>,
+    pub(crate) rooms: BTreeSet<CellId>,
 }
 
 impl Streaming {

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use crate::{
     run::{self, Case, Mode, Options, cases, sensitivity},
-    status::{Cost, Measurements, benches_in, costs, machine, page},
+    status::{Cost, Measurements, benches_in, costs, machine, numerics_in, page, tools_in},
     vectors::{FnResult, run_file},
 };
 
@@ -83,7 +83,9 @@ pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
         sensitivity_wall,
         threads: rayon::current_num_threads(),
         costs: tick_costs(&args.costs)?,
+        numerics: numerics_in(&args.target),
         benches: benches_in(&args.target),
+        tools: tools_in(&args.target),
     };
     let context = || format!("cannot write {}", args.output.display());
     fs::write(&args.output, page(&measured))
