@@ -89,7 +89,6 @@ fn the_page() {
         vectors_wall: Duration::from_millis(250),
         sensitivity_wall: Duration::from_millis(12_340),
         threads: 2,
-        numerics: Numerics::default(),
         costs: costs(
             b"{\"case\":\"resting\",\"ns\":12.5,\"allocations\":0}\n{\"case\":\"walking\",\"ns\":2500,\"instructions\":900,\"allocations\":0.5}\n",
         )
