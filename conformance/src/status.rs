@@ -2,6 +2,8 @@
 
 mod comparing;
 mod numerics;
+mod plans;
+mod recorder;
 mod sensitivity;
 mod speed;
 mod tools;
@@ -14,6 +16,8 @@ use std::{
 
 pub use comparing::{Comparing, comparing_in};
 pub use numerics::{Numerics, numerics_in};
+pub use plans::{PlanCost, plan_costs};
+pub use recorder::RecorderNumbers;
 pub use speed::{Bench, Cost, benches_in, costs, machine};
 pub use tools::{Tools, tools_in};
 
@@ -49,6 +53,10 @@ pub struct Measurements {
     pub costs: Vec<Cost>,
     /// Stability and precision.
     pub numerics: Numerics,
+    /// What plans save.
+    pub plans: Vec<PlanCost>,
+    /// What relaying and killing the recorder costs.
+    pub recorder: RecorderNumbers,
     /// Benchmarks that have been run.
     pub benches: Vec<Bench>,
     /// Long traces that have been compared.
@@ -77,8 +85,10 @@ pub fn page(measured: &Measurements) -> String {
     sensitivity::section(&mut text, &measured.sensitivity);
     comparing::section(&mut text, &measured.comparing);
     numerics::section(&mut text, &measured.numerics);
+    plans::section(&mut text, &measured.plans);
     speed::section(&mut text, &measured.benches, &measured.costs);
     tools::section(&mut text, &measured.tools);
+    recorder::section(&mut text, &measured.recorder);
     text
 }
 

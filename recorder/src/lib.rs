@@ -12,6 +12,8 @@ pub mod disk;
 pub mod error;
 pub mod fault;
 pub mod format;
+#[doc(hidden)]
+pub mod fuzzing;
 pub mod measure;
 pub mod pcap;
 pub mod pictures;

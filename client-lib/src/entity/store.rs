@@ -70,10 +70,16 @@ impl Entities {
         self.mark(id, false);
     }
 
-    /// Moves an object of the object table to its beginning.
-    pub(crate) fn move_to_front(&mut self, id: EntityId) {
-        if let Some(at) = self.table.iter().position(|&e| e == id) {
-            self.table[..=at].rotate_right(1);
+    /// The handle that the next object gets.
+    pub(crate) fn next_id(&self) -> EntityId {
+        EntityId(self.slots.len() as u32)
+    }
+
+    /// Moves an object, which is the last of the object table, before the first that `comes_later`.
+    pub(crate) fn move_before(&mut self, id: EntityId, comes_later: impl Fn(EntityId) -> bool) {
+        let at = self.table.iter().position(|&e| comes_later(e));
+        if let Some(at) = at.filter(|_| self.table.last() == Some(&id)) {
+            self.table[at..].rotate_right(1);
         }
     }
 

@@ -69,6 +69,7 @@ impl World {
         if let Some(clock) = self.entities.resting_since(id)
             && self.goes_on_resting(id, clock)
         {
+            self.note_rest(clock);
             let clock = self.pass_time(clock);
             self.entities.rest(id, clock);
             return;
@@ -76,6 +77,7 @@ impl World {
         let Some(mut entity) = self.entities.take(id) else {
             return;
         };
+        self.note_tick(&entity);
         let before = self.stance(&entity);
         entity.update_object(self, probe);
         if let Some(before) = before {

@@ -16,6 +16,8 @@ pub const SCHEMA: &str = "ac-conform-precision/1";
 pub fn document(labs: &[SceneLab]) -> Value {
     json!({
         "schema": SCHEMA,
+        "machine": crate::status::machine(),
+        "build": if cfg!(debug_assertions) { "debug" } else { "release" },
         "good": GOOD,
         "scenes": labs,
         "recommendations": recommendations(labs),
@@ -98,10 +100,10 @@ pub fn human(labs: &[SceneLab], details: bool) -> String {
     for lab in labs {
         let _ = writeln!(
             text,
-            "\n{}: order {}, reference ± {}",
+            "\n{}: order {}, reference {}",
             lab.scene,
             order_text(lab.order),
-            lab.uncertainty.map_or("–".into(), length)
+            reference_text(lab)
         );
         if details {
             rows(&mut text, lab);
@@ -132,6 +134,15 @@ fn rows(text: &mut String, lab: &SceneLab) {
             max(row.solution),
             row.smooth.map_or("–".into(), |found| length(found.max)),
         );
+    }
+}
+
+/// How far the reference can be trusted.
+pub fn reference_text(lab: &SceneLab) -> String {
+    match lab.uncertainty {
+        _ if lab.hangs => "none: something hangs in the air".into(),
+        Some(uncertainty) => format!("± {}", length(uncertainty)),
+        None => "–".into(),
     }
 }
 

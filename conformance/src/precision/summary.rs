@@ -92,7 +92,7 @@ pub fn mark_pareto(rows: &mut [Row]) {
     };
     let points: Vec<Option<(f64, f64)>> = rows
         .iter()
-        .map(|row| Some((cost(row)?, row.error()?)))
+        .map(|row| Some((cost(row)?, row.plotted()?)))
         .collect();
     for (row, own) in rows.iter_mut().zip(&points) {
         row.pareto = own.is_some_and(|own| {
@@ -233,6 +233,7 @@ mod tests {
             reference: Some(found),
             solution: None,
             smooth: None,
+            is_reference: false,
             pareto: false,
         }
     }
@@ -268,6 +269,7 @@ mod tests {
             class: "a".into(),
             seconds: 1.0,
             uncertainty: None,
+            hangs: false,
             turns: false,
             order: Order::Unknown,
             rows: vec![row(10, 1.0, 0.5), row(40, 3.0, 0.009), row(80, 9.0, 0.001)],

@@ -120,11 +120,11 @@ pub fn write(
     judge: &mut dyn Judge,
 ) -> Result<Report, ShrinkError> {
     let plain = from.replace('/', "-");
+    let mut frames = judge.expectation(&shrunk.candidate)?;
     let mut candidate = shrunk.candidate.clone();
     candidate.scene.name = format!("shrunk/{plain}");
     candidate.scene.world = format!("shrunk-{plain}");
     candidate.scene.summary = format!("What is left of {from}: {}", candidate.scene.summary);
-    let mut frames = judge.expectation(&candidate)?;
     if let Some(field) = judge.field() {
         for (_, _, states) in &mut frames {
             states.iter_mut().for_each(|state| keep_only(state, field));

@@ -1,6 +1,11 @@
 //! The part of the page about numbers: stability and precision, from what `ac-conform stability` and `ac-conform precision` wrote.
 
-use std::{collections::BTreeMap, fmt::Write, fs, path::Path};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt::Write,
+    fs,
+    path::Path,
+};
 
 use serde_json::Value;
 
@@ -84,7 +89,7 @@ fn stability(text: &mut String, document: &Value) {
     let total = |path: &str| document.pointer(path).and_then(Value::as_u64).unwrap_or(0);
     let _ = writeln!(
         text,
-        "\nRules over {} scenes: {} hold all of them in every frame, {} violate one as retail does, {} are ours. Small changes at the start of {} scenes: {} contractive, {} neutral, {} growing, {} discontinuous.\n",
+        "\nRules over {} scenes: {} hold all of them in every frame, {} violate one as retail does, {} are ours. Small changes at the start of {} scenes: {} contractive, {} neutral, {} growing, {} discontinuous; {} part when the clock is off by rounding, because their frames are as long as the gate of a quantum.\n",
         array(document, "/scenes").len(),
         total("/totals/scenes/holds"),
         total("/totals/scenes/as retail"),
@@ -94,6 +99,7 @@ fn stability(text: &mut String, document: &Value) {
         total("/totals/ensembles/neutral"),
         total("/totals/ensembles/growing"),
         total("/totals/ensembles/discontinuous"),
+        total("/totals/parted_by_the_clock"),
     );
 }
 
@@ -158,7 +164,18 @@ fn precision(text: &mut String, document: &Value) {
         ];
         row(text, &string(found, "/class"), cells);
     }
-    text.push('\n');
+    let scenes = array(document, "/scenes");
+    let classes: BTreeSet<String> = scenes.iter().map(|s| string(s, "/class")).collect();
+    let hanging = |scene: &&Value| scene.pointer("/hangs").and_then(Value::as_bool) == Some(true);
+    let _ = writeln!(
+        text,
+        "\nRun times: {} build, {}. {} scenes in {} classes, each class with plots (`--report DIR`). {} scenes converge to nothing: with short quanta something hangs in the air, because the rest rule takes away what gravity gives.\n",
+        string(document, "/build"),
+        string(document, "/machine"),
+        scenes.len(),
+        classes.len(),
+        scenes.iter().filter(hanging).count(),
+    );
 }
 
 fn order(scene: &Value) -> String {

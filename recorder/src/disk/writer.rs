@@ -67,8 +67,8 @@ pub(super) struct DiskWriter {
     secrets: SharedSecrets,
     state: State,
     number: u32,
-    files: Vec<PathBuf>,
     checks: Vec<Check>,
+    report: DiskReport,
     counted: (Instant, Counts),
 }
 
@@ -91,8 +91,8 @@ impl DiskWriter {
             secrets,
             state: State::Between,
             number: 1,
-            files: Vec::new(),
             checks: Vec::new(),
+            report: DiskReport::default(),
             counted: (Instant::now(), Counts::default()),
         };
         let path = this.config.output.clone();
@@ -122,7 +122,7 @@ impl DiskWriter {
         let written = sink.written();
         let writer = RecordingWriter::part(sink, self.config.options, part, state)
             .inspect_err(|_| self.storage.remove(path))?;
-        self.files.push(path.into());
+        self.report.files.push(path.into());
         add(&self.counters.files, 1);
         self.state = State::Writing(Box::new(Part {
             writer,
@@ -310,32 +310,43 @@ impl DiskWriter {
         if self.config.options.secrets == SecretPolicy::Keep {
             return;
         }
+        self.take_checks(false);
         let searcher = locked(&self.secrets).searcher();
         let own = path.clone();
         self.checks
             .push((path, std::thread::spawn(move || scan(&own, &searcher))));
     }
 
-    fn end(mut self) -> DiskReport {
-        self.close();
-        let secrets = locked(&self.secrets);
-        let mut report = DiskReport {
-            files: self.files,
-            secrets: secrets.len(),
-            too_many_secrets: secrets.overflowed(),
-            ..DiskReport::default()
-        };
-        for (path, check) in self.checks {
-            match check.join() {
+    /// Takes the results of checks that are done, or of all of them.
+    fn take_checks(&mut self, all: bool) {
+        let done = |check: &mut Check| all || check.1.is_finished();
+        for (path, check) in self.checks.extract_if(.., done) {
+            let result = check.join();
+            match result {
                 Ok(Ok(found)) if found.is_clean() => {}
-                Ok(Ok(found)) => report.leaks.push((path, found.in_file + found.in_records)),
-                Ok(Err(error)) => report.unchecked.push((path, error.to_string())),
-                Err(_) => report
-                    .unchecked
-                    .push((path, "the check ended early".into())),
+                Ok(Ok(found)) => {
+                    tracing::error!(file = %path.display(), "SECRET FOUND: do not share this file");
+                    let places = found.in_file + found.in_records;
+                    self.report.leaks.push((path, places));
+                }
+                Ok(Err(error)) => self.report.unchecked.push((path, error.to_string())),
+                Err(_) => {
+                    let why = "the check ended early".to_owned();
+                    self.report.unchecked.push((path, why));
+                }
             }
         }
-        report
+    }
+
+    fn end(mut self) -> DiskReport {
+        self.close();
+        self.take_checks(true);
+        let secrets = locked(&self.secrets);
+        DiskReport {
+            secrets: secrets.len(),
+            too_many_secrets: secrets.overflowed(),
+            ..self.report
+        }
     }
 }
 

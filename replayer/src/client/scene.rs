@@ -209,6 +209,7 @@ impl SceneRun {
         let start = outline.entities.iter().find(|e| Some(e.guid) == followed);
         let start: Option<CellId> = start.map(|e| e.position.cell);
         let active = ActivePlan::new(Arc::clone(plan), Arc::clone(index), followed);
+        let active = active.with_anchor(outline.anchor());
         self.world.set_plan(active, start);
         late
     }

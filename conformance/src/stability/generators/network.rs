@@ -31,7 +31,6 @@ cases! { "09";
 fn header(flags: PacketFlags) -> PacketHeader {
     PacketHeader {
         flags,
-        sequence: 2,
         ..PacketHeader::default()
     }
 }
@@ -363,9 +362,7 @@ fn early_ack(t: &mut Trial) {
         let mut got = Vec::new();
         sides[1].receive(&ack, 0.0, &mut got);
         sides[0].send(Queue::UI, b"then this", 0.0);
-        t.promise(exchange(&mut sides, 0.1).len() <= 1, || {
-            "a message came twice".into()
-        });
+        t.same("messages after it", exchange(&mut sides, 0.1).len(), 1);
     }
 }
 
