@@ -1,14 +1,14 @@
 //! What comparing a very long trace costs: states per second and memory, as one JSON line for `target/comparing.jsonl`.
 //!
 //! ```sh
-//! cargo run --release -p ac-conformance --example big_trace -- write big.mcap 2G
+//! cargo run --release -p ac-conformance --example big_trace -- write big.mcap 2
 //! cargo run --release -p ac-conformance --example big_trace -- compare big.mcap > target/comparing.jsonl
 //! rm big.mcap
 //! ```
 //!
 //! `write` puts the expected records of the bundled traces into one trace: four entities, each of which lives through all scenes one after
-//! another, again and again with other last bits of the positions, until the file has that size. `compare` reads it from its start, one thread, and compares every record with one that the
-//! client could have produced, as `ac-conform run` does.
+//! another, again and again with other last bits of the positions, until the file has that size. `compare` reads it from its start, one
+//! thread, and compares every record with one that the client could have produced, as `ac-conform run` does.
 
 use std::{
     collections::BTreeMap,
@@ -38,9 +38,11 @@ const DT: f64 = 1.0 / 30.0;
 fn main() -> Result<(), Failure> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        ["write", path, size] => write(Path::new(path), ac_conformance::remote::parse_size(size)?),
+        ["write", path, gigabytes] => {
+            write(Path::new(path), (gigabytes.parse::<f64>()? * 1e9) as u64)
+        }
         ["compare", path] => compare(Path::new(path)),
-        _ => Err("usage: big_trace write FILE SIZE | compare FILE".into()),
+        _ => Err("usage: big_trace write FILE GIGABYTES | compare FILE".into()),
     }
 }
 
