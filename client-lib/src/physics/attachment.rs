@@ -85,12 +85,14 @@ impl Entity {
             return false;
         }
         let own = self.id;
-        let Some(holder) = world.entity_mut(parent) else {
+        let profile = &world.profile;
+        let Some(holder) = world.entities.get_mut(parent) else {
             return false;
         };
         if !holder.add_child(own, attachment) {
             return false;
         }
+        holder.settle_parts(profile);
         let (examination, hidden) = (
             holder.examination_object,
             holder.body.state.contains(PhysicsState::HIDDEN),

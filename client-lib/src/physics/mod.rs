@@ -32,6 +32,7 @@ pub mod placement;
 mod rest_tests;
 pub mod state;
 mod state_change;
+mod still;
 #[cfg(test)]
 mod tests;
 pub mod transition;

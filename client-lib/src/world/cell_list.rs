@@ -204,8 +204,10 @@ impl Landscape {
                 if env.portals.is_empty() && !profile.portalless_cell_contains {
                     return false;
                 }
-                let local = env.position.frame.global_to_local(point, profile);
-                env.shape.contains(local)
+                env.volume.contains(point).unwrap_or_else(|| {
+                    let local = env.position.frame.global_to_local(point, profile);
+                    env.shape.contains(local)
+                })
             }
         }
     }
@@ -523,6 +525,13 @@ impl Builder<'_> {
     }
 
     fn sphere_touches(&self, env: &EnvCell, sphere: &Sphere) -> bool {
+        env.volume
+            .touches(sphere.center, sphere.radius)
+            .unwrap_or_else(|| self.sphere_touches_exactly(env, sphere))
+    }
+
+    #[inline(never)]
+    fn sphere_touches_exactly(&self, env: &EnvCell, sphere: &Sphere) -> bool {
         let center = env
             .position
             .frame

@@ -168,9 +168,7 @@ impl SceneRun {
     /// Runs a frame under the eyes of a probe: the clock advances, the script's steps run, every entity is advanced.
     pub fn run_frame<P: Probe>(&mut self, frame: u32, probe: &mut P) {
         for object in self.objects.values() {
-            if let Some(entity) = self.world.entity_mut(object.id) {
-                entity.begin_frame();
-            }
+            self.world.entities.begin_frame(object.id);
         }
         let now = self.world.clock.now + frame_length(&self.scene, frame);
         let mut input = ScriptInput {
