@@ -10,6 +10,7 @@ mod cell;
 mod cell_array;
 mod cell_collision;
 mod cell_list;
+mod cell_list_memo;
 mod dat_source;
 pub mod landscape;
 mod loading;
@@ -33,10 +34,11 @@ pub use cell::{
     BuildingPortal, CellBase, CellPortal, CellRef, EnvCell, LandCell, LandCellRef, PortalTarget,
 };
 pub use cell_list::{CellListOutcome, SpheresAt};
+pub use cell_list_memo::CellListMemo;
 pub use landscape::{Demand, LandBlock, Landscape, Missing};
 pub use random::Random;
 pub use resources::{LoadError, Resources};
-pub use room_volume::RoomVolume;
+pub use room_volume::{Quick, RoomVolume};
 pub use scratch::Scratch;
 pub use source::{Lookup, MemorySource, WorldSource};
 pub use statics::{StaticKind, StaticObject};

@@ -20,6 +20,15 @@ pub struct RoomVolume {
     planes: Option<Box<[Plane]>>,
 }
 
+/// A quick answer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quick {
+    /// What the exact test says.
+    pub answer: bool,
+    /// It says so of every place nearer than this, m.
+    pub holds_within: f32,
+}
+
 fn is_unit(length_squared: f32) -> bool {
     (length_squared - 1.0).abs() <= UNIT_TOLERANCE
 }
@@ -54,28 +63,32 @@ impl RoomVolume {
         }
     }
 
-    /// Whether all planes have a point farther in front than `limit` (`Some(true)`), or one has it farther behind (`Some(false)`), by more
-    /// than the margin.
+    /// Whether all planes have a point farther in front than `limit`, by more than the margin, or one has it farther behind.
     #[inline]
-    fn is_in_front(&self, point: Vec3, limit: f32) -> Option<bool> {
+    fn is_in_front(&self, point: Vec3, limit: f32) -> Option<Quick> {
         let planes = self.planes.as_deref()?;
         if is_far(point) {
             return None;
         }
-        let mut sure = true;
+        let mut least = FARTHEST;
         for plane in planes {
-            let h = plane.distance(point) - limit;
-            if h < -MARGIN {
-                return Some(false);
+            let h = plane.distance(point);
+            if h < least {
+                least = h;
             }
-            sure &= h > MARGIN;
         }
-        sure.then_some(true)
+        let beyond = least - limit;
+        let sure = beyond.abs() > MARGIN;
+        sure.then(|| Quick {
+            answer: beyond > 0.0,
+            // Normals are not exactly of length 1.
+            holds_within: (beyond.abs() - MARGIN) * 0.9,
+        })
     }
 
     /// Whether a sphere reaches into the room; `None` where only the exact test can tell.
     #[inline]
-    pub fn touches(&self, center: Vec3, radius: f32) -> Option<bool> {
+    pub fn touches(&self, center: Vec3, radius: f32) -> Option<Quick> {
         /// A sphere counts as that much wider, m.
         const WIDER: f32 = 0.01;
         if radius >= 0.0 {
@@ -87,14 +100,14 @@ impl RoomVolume {
 
     /// Whether a point is in the room; `None` where only the exact test can tell.
     #[inline]
-    pub fn contains(&self, point: Vec3) -> Option<bool> {
+    pub fn contains(&self, point: Vec3) -> Option<Quick> {
         self.is_in_front(point, -EPSILON)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::RoomVolume;
+    use super::{Quick, RoomVolume};
     use crate::math::{Frame, Plane, Quat, Sphere, Vec3};
     use crate::physics::collision::{BoundingType, CellTree};
     use crate::profile::Profile;
@@ -124,18 +137,25 @@ mod tests {
     proptest! {
         #[test]
         fn quick_answers_are_those_of_the_exact_tests(
-            (tree, frame) in room(), at in vectors(8.0), radius in 0.0f32..2.0, ace: bool,
+            (tree, frame) in room(), at in vectors(8.0), step in vectors(1.0), radius in 0.0f32..2.0, ace: bool,
         ) {
             let profile = if ace { Profile::ace() } else { Profile::retail() };
             let point = frame.origin + at;
-            let local = frame.global_to_local(point, &profile);
             let volume = RoomVolume::new(&tree, &frame);
+            let places = |quick: Quick| {
+                let near = point + step.normalize_or_zero() * quick.holds_within.min(20.0);
+                [point, near].map(|p| frame.global_to_local(p, &profile))
+            };
             if let Some(quick) = volume.contains(point) {
-                prop_assert_eq!(quick, tree.contains(local));
+                for local in places(quick) {
+                    prop_assert_eq!(quick.answer, tree.contains(local));
+                }
             }
             if let Some(quick) = volume.touches(point, radius) {
-                let exact = tree.intersects_sphere(&Sphere::new(local, radius));
-                prop_assert_eq!(quick, exact != BoundingType::Outside);
+                for local in places(quick) {
+                    let exact = tree.intersects_sphere(&Sphere::new(local, radius));
+                    prop_assert_eq!(quick.answer, exact != BoundingType::Outside);
+                }
             }
         }
     }
@@ -152,11 +172,12 @@ mod tests {
             )
         };
         let usual = RoomVolume::new(&wall(1.0), &Frame::IDENTITY);
-        assert_eq!(usual.contains(Vec3::X), Some(true));
+        let answer = |quick: Option<Quick>| quick.map(|q| q.answer);
+        assert_eq!(answer(usual.contains(Vec3::X)), Some(true));
         assert_eq!(usual.contains(Vec3::ZERO), None);
         assert_eq!(usual.contains(Vec3::splat(f32::NAN)), None);
         assert_eq!(usual.touches(Vec3::X, f32::NAN), None);
-        assert_eq!(usual.touches(Vec3::X * -9.0, 1.0), Some(false));
+        assert_eq!(answer(usual.touches(Vec3::X * -9.0, 1.0)), Some(false));
         let scaled = RoomVolume::new(&wall(2.0), &Frame::IDENTITY);
         assert_eq!(scaled.contains(Vec3::X), None);
     }
