@@ -16,6 +16,7 @@ fn the_bundled_traces_are_met() {
         modes: Mode::ALL.into(),
         oracle: None,
         profile: None,
+        series: false,
     };
     let outcome = run(
         &ClientSimulator::new(root.join("worlds")),

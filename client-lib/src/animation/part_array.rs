@@ -35,18 +35,20 @@ pub struct PartArray {
     pub parts: Vec<Option<PhysicsPart>>,
     /// Animation hooks that wait to be executed, in order.
     pub hooks: AnimHookQueue,
-    pub(super) setup: Option<Arc<Setup>>,
-    pub(super) scale: Vec3,
+    pub(crate) setup: Option<Arc<Setup>>,
+    pub(crate) scale: Vec3,
     /// Places that the parts wait for.
-    pub(super) pending: Pending,
+    pub(crate) pending: Pending,
     /// Some part can be collided with by its physics BSP.
-    pub(super) has_bsp_part: bool,
+    pub(crate) has_bsp_part: bool,
+    /// The quanta of the object change nothing but the frame number of what is played, until somebody changes the object.
+    pub(crate) stands_still: bool,
     /// Of the setup: see [`PartArray::obstacle_reach`].
-    obstacle_reach: f32,
+    pub(crate) obstacle_reach: f32,
 }
 
 impl PartArray {
-    fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         Self {
             sequence: Sequence::new(),
             motion_table: None,
@@ -56,6 +58,7 @@ impl PartArray {
             scale: Vec3::ONE,
             pending: Pending::NOTHING,
             has_bsp_part: false,
+            stands_still: false,
             obstacle_reach: 0.0,
         }
     }
@@ -111,6 +114,19 @@ impl PartArray {
         Ok(array)
     }
 
+    /// The array with that sorting sphere (own space, m) instead of its setup's.
+    #[must_use]
+    pub fn with_sorting_sphere(mut self, sphere: Sphere) -> Self {
+        let mut setup = self
+            .setup
+            .as_deref()
+            .cloned()
+            .unwrap_or_else(|| Setup::empty(0));
+        setup.sorting_sphere = sphere;
+        self.setup = Some(Arc::new(setup));
+        self
+    }
+
     /// Replaces the setup (`SetSetupID`). `Ok(false)`: it was the present one and nothing changed. The caller applies the setup's defaults
     /// to the object afterwards: scripts, motion table and state bits (`InitDefaults`, `spec/06`, G1).
     ///
@@ -143,7 +159,7 @@ impl PartArray {
         Ok(true)
     }
 
-    fn take_setup(&mut self, setup: Arc<Setup>) {
+    pub(crate) fn take_setup(&mut self, setup: Arc<Setup>) {
         self.obstacle_reach = reach_of(&setup);
         self.setup = Some(setup);
     }

@@ -26,7 +26,7 @@ pub(super) struct PendingPose {
 
 /// Parts that wait for their places, and the memory of those that did.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Pending {
+pub(crate) struct Pending {
     waits: bool,
     pose: Option<Box<PendingPose>>,
 }
@@ -135,6 +135,11 @@ impl PartArray {
                 }));
             }
         }
+    }
+
+    /// Whether the parts wait for their places.
+    pub(crate) const fn waits_for_places(&self) -> bool {
+        self.pending.waits
     }
 
     /// Gives the parts the places that they have been waiting for. Whoever looks at places of parts of an object that others may have moved

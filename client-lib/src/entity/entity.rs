@@ -149,8 +149,8 @@ pub struct Entity {
     /// Radius of attack cones, m; unused by any reference.
     pub attack_radius: f32,
 
-    /// Its quanta change nothing but the frame number of its animation, until somebody changes the object.
-    pub(crate) stands_still: bool,
+    /// Nobody needs the places of the parts: they are not computed, unless a part has a physics tree or carries something (plans).
+    pub unposed: bool,
 
     /// Callbacks fired since the driver cleared the list, in order.
     pub events: Vec<FrameEvent>,
@@ -198,7 +198,7 @@ impl Entity {
             default_script_intensity: 0.0,
             examination_object: false,
             attack_radius: 0.0,
-            stands_still: false,
+            unposed: false,
             events: Vec::new(),
             steps: Vec::new(),
             touched: Vec::new(),

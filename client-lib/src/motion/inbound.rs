@@ -2,8 +2,11 @@
 //!
 //! Whether an event is to be carried out at all is decided before (`Entity::accept_movement`, which also sets the object's autonomous flag).
 
+use super::ground::stamp_is_newer;
 use super::wire::{Reader, WireError};
-use super::{Command, InterpretedMotionState, MovementParameters, code_of};
+use super::{
+    Command, InterpretedMotionState, MovementFlags, MovementParameters, RawMotionState, code_of,
+};
 use crate::entity::Entity;
 use crate::math::{CellId, Position, Quat, Vec3};
 use crate::world::World;
@@ -137,6 +140,39 @@ fn unpack_origin(reader: &mut Reader<'_>) -> Result<Position, WireError> {
 }
 
 impl Entity {
+    /// Carries out what the input of another program wants: a server, or a replay, that has got a MoveToState (14.5).
+    ///
+    /// The raw state is replaced, but for the actions that wait; of the message's actions those newer than `last_action` (15 bits count) are
+    /// done, and it advances. A running move-to ends.
+    pub fn apply_raw_state(
+        &mut self,
+        state: &RawMotionState,
+        standing_longjump: bool,
+        last_action: &mut u32,
+        world: &mut World,
+    ) {
+        self.kin.last_move_was_autonomous = true;
+        self.cancel_moveto(world);
+        let interp = self.get_interp(world);
+        let waiting = core::mem::take(&mut interp.raw.actions);
+        interp.raw = state.clone();
+        interp.raw.actions = waiting;
+        interp.standing_longjump = standing_longjump;
+        self.apply_raw_movement(true, world);
+        for action in state.actions.iter() {
+            if !stamp_is_newer(action.stamp, *last_action) {
+                continue;
+            }
+            *last_action = action.stamp;
+            let mut params =
+                MovementParameters::new(&world.profile).with(MovementFlags::AUTONOMOUS, true);
+            params.action_stamp = action.stamp;
+            params.speed = action.speed;
+            // A refused action is lost, as it is where the input is.
+            let _ = self.do_motion(action.command, &params, world);
+        }
+    }
+
     /// Carries a movement of the server out (`unpack_movement`). Manager and interpreter are made if missing.
     pub fn apply_movement_update(&mut self, update: &MovementUpdate, world: &mut World) {
         let style = self.get_interp(world).interpreted.style;

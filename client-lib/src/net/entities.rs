@@ -4,21 +4,30 @@
 //! a frame, before input, each completely before the next. The local player moves itself: ordinary echoes of its own position and
 //! movement change nothing; a teleport, a forced position and a movement of the server do.
 
+mod character;
+mod description;
+mod waiting;
+
 use std::collections::BTreeMap;
 
-use super::messages::common::WirePosition;
-use super::messages::movement::{MovementData, SequencedMovement};
+use description::{
+    change_parts, is_finite, movement_of, physics_description, take_weenie, valid_place,
+};
+pub use waiting::{Waiting, WaitingLimits};
+
+use super::messages::movement::SequencedMovement;
 use super::messages::obj_desc::ObjDesc;
 use super::messages::object as m;
-use super::messages::physics_desc::{Motion, PhysicsDesc};
+use super::messages::physics_desc::PhysicsDesc;
 use super::messages::position::{PositionPack, PositionStamps};
-use super::messages::weenie_desc::{WeenieDesc, object_bits};
-use super::messages::{PlainServerMessage, ServerMessage};
-use crate::entity::{CollisionProfile, Entity, Timestamps, Weenie};
+use super::messages::weenie_desc::WeenieDesc;
+use super::messages::{GameEvent, PlainServerMessage, ServerMessage};
+use crate::entity::{Entity, Timestamps};
 use crate::math::{Position, Vec3};
+use crate::motion::Character;
 use crate::physics::attachment::Attachment;
-use crate::physics::body::{EntityId, WeenieFlags};
-use crate::physics::network::{MovementVerdict, PhysicsDescription, Stamp, is_newer};
+use crate::physics::body::EntityId;
+use crate::physics::network::{MovementVerdict, Stamp, is_newer};
 use crate::physics::placement::{PlacementFlags, SetPosition};
 use crate::world::World;
 
@@ -63,6 +72,8 @@ pub enum Verdict {
     Applied,
     /// It was not.
     Dropped(Dropped),
+    /// Its object is not known yet: it waits for the description.
+    Kept,
     /// It is not about objects.
     Other,
 }
@@ -78,6 +89,8 @@ pub enum Notice {
     ForcedPosition,
     /// The player is in portal space until its surroundings are loaded and LoginComplete is sent.
     PortalSpace,
+    /// The server says who moves the player: `CommandInterpreter::set_autonomy_level`.
+    Autonomy(u32),
 }
 
 /// All objects that the server has described, by GUID.
@@ -85,16 +98,16 @@ pub enum Notice {
 pub struct GameEntities {
     table: BTreeMap<u32, GameEntity>,
     player: Option<u32>,
+    character: Option<Character>,
     autonomous_player: bool,
     in_portal_space: bool,
+    has_arrived: bool,
+    waiting: Waiting,
     /// What the host has to do, in order; the host empties the list.
     pub notices: Vec<Notice>,
 }
 
 type Result<T = ()> = core::result::Result<T, Dropped>;
-
-/// Item type of creatures.
-const CREATURE: u32 = 0x10;
 
 impl GameEntities {
     /// No objects; the player decides its own positions (autonomy level 2).
@@ -125,20 +138,57 @@ impl GameEntities {
         self.in_portal_space
     }
 
+    /// Whether the place is known to which the player goes through portal space.
+    pub const fn has_arrived(&self) -> bool {
+        self.has_arrived
+    }
+
     /// The surroundings are loaded; the host sends LoginComplete.
     pub const fn leave_portal_space(&mut self) {
         self.in_portal_space = false;
+        self.has_arrived = false;
     }
 
-    /// Applies a message to the world.
+    /// Messages that wait for their object.
+    pub const fn waiting(&self) -> &Waiting {
+        &self.waiting
+    }
+
+    /// Applies a message to the world: completely, or not at all.
+    ///
+    /// What is about an object that is not known, or about a later incarnation of one, waits for the description (section 3).
     pub fn apply(&mut self, message: &ServerMessage, world: &mut World) -> Verdict {
-        let ServerMessage::Plain(message) = message else {
-            return Verdict::Other;
+        let message = match message {
+            ServerMessage::Plain(message) => message,
+            ServerMessage::Property(update) => return self.take_property(update, world),
+            ServerMessage::Event { event, .. } => {
+                if let GameEvent::PlayerDescription(about) = event {
+                    self.take_character(about, world);
+                    return Verdict::Applied;
+                }
+                return Verdict::Other;
+            }
         };
-        match self.apply_plain(message, world) {
-            Some(Ok(())) => Verdict::Applied,
-            Some(Err(dropped)) => Verdict::Dropped(dropped),
-            None => Verdict::Other,
+        let verdict = self.apply_or_keep(message, world);
+        if let (Verdict::Applied, Some(guid)) = (verdict, waiting::describes(message)) {
+            for late in self.waiting.take(guid) {
+                self.apply_or_keep(&late, world);
+            }
+        }
+        verdict
+    }
+
+    fn apply_or_keep(&mut self, message: &PlainServerMessage, world: &mut World) -> Verdict {
+        let dropped = match self.apply_plain(message, world) {
+            Some(Ok(())) => return Verdict::Applied,
+            None => return Verdict::Other,
+            Some(Err(dropped)) => dropped,
+        };
+        let early = matches!(dropped, Dropped::Unknown | Dropped::LaterIncarnation);
+        let waits_for = waiting::waits_for(message, |guid| self.table.contains_key(&guid));
+        match waits_for.filter(|_| early) {
+            Some(guid) if self.waiting.keep(guid, message) => Verdict::Kept,
+            _ => Verdict::Dropped(dropped),
         }
     }
 
@@ -166,7 +216,11 @@ impl GameEntities {
             P::VectorUpdate(v) => self.vectors(v, world),
             P::PlayerTeleport(t) => self.teleport(t.stamp, world),
             P::AutonomyLevel(a) => {
+                if a.level > 2 {
+                    return Some(Err(Dropped::Invalid));
+                }
                 self.autonomous_player = a.level == 2;
+                self.notices.push(Notice::Autonomy(a.level));
                 Ok(())
             }
             P::ObjDescEvent(o) => self.appearance(o, world),
@@ -180,7 +234,7 @@ impl GameEntities {
         for id in world.due_for_destruction() {
             if world.local_player != Some(id) {
                 self.table.retain(|_, e| e.id != id);
-                destroy(id, world);
+                world.delete_entity(id);
             }
         }
     }
@@ -212,7 +266,7 @@ impl GameEntities {
             Err(Dropped::Unknown) => self.create(o, world),
             Err(Dropped::LaterIncarnation) => {
                 if let Some(old) = self.table.remove(&o.guid) {
-                    destroy(old.id, world);
+                    world.delete_entity(old.id);
                 }
                 self.create(o, world)
             }
@@ -302,6 +356,7 @@ impl GameEntities {
             self.dress(guid, &o.appearance, world);
         }
         world.with_entity(id, |e, _| take_weenie(e, &o.weenie));
+        self.give_character(world);
         if event(id, Stamp::State, of(Stamp::State), world) {
             world.with_entity(id, |e, world| e.set_state(p.state, world));
         }
@@ -339,6 +394,7 @@ impl GameEntities {
     fn name_player(&mut self, guid: u32, world: &mut World) {
         self.player = Some(guid);
         world.local_player = self.table.get(&guid).map(|e| e.id);
+        self.give_character(world);
         if let Some(id) = world.local_player {
             self.notices.push(Notice::Player(id));
         }
@@ -353,7 +409,7 @@ impl GameEntities {
             return Err(Dropped::LocalPlayer);
         }
         if let Some(entity) = self.table.remove(&d.guid) {
-            destroy(entity.id, world);
+            world.delete_entity(entity.id);
         }
         Ok(())
     }
@@ -419,11 +475,13 @@ impl GameEntities {
             e.set_velocity(Vec3::ZERO, world);
         });
         self.enter_portal_space();
+        self.has_arrived = true;
     }
 
     fn enter_portal_space(&mut self) {
         if !self.in_portal_space {
             self.in_portal_space = true;
+            self.has_arrived = false;
             self.notices.push(Notice::PortalSpace);
         }
     }
@@ -547,7 +605,7 @@ impl GameEntities {
         let carried = |e: &Entity| e.body.cell.is_none() && e.body.parent.is_none();
         if world.entity(id).is_some_and(carried) && !self.is_player(guid) {
             self.table.remove(&guid);
-            destroy(id, world);
+            world.delete_entity(id);
         }
         Ok(())
     }
@@ -565,120 +623,6 @@ fn event(id: EntityId, stamp: Stamp, value: u16, world: &mut World) -> bool {
     world
         .entity_mut(id)
         .is_some_and(|e| e.timestamps.newer_event(stamp, value))
-}
-
-/// Ends an object: its children are detached first.
-fn destroy(id: EntityId, world: &mut World) {
-    world.with_entity(id, |e, world| {
-        e.unset_parent(world);
-        e.unparent_children(world);
-    });
-    world.destroy_entity(id);
-    world.entities.remove(id);
-}
-
-fn change_parts(entity: &mut Entity, appearance: &ObjDesc, world: &mut World) {
-    let Some(parts) = entity.body.part_array.as_mut() else {
-        return;
-    };
-    let setup = parts.setup().cloned();
-    let original = setup
-        .iter()
-        .flat_map(|s| s.parts.iter().copied().enumerate());
-    let changes = appearance
-        .parts
-        .iter()
-        .map(|c| (usize::from(c.part), c.shape.0));
-    // A new shape may be collided with where the part is.
-    parts.settle_parts(&world.profile);
-    let known = parts.set_parts(original.chain(changes), &mut world.resources);
-    if !known {
-        tracing::debug!(guid = entity.body.guid, "some changed part does not exist");
-    }
-    entity.cache_has_physics_bsp();
-}
-
-fn valid_place(place: &WirePosition, world: &World) -> Option<Position> {
-    let position = place.to_position();
-    let finite = place.origin.iter().chain(&place.rotation);
-    let valid = place.cell != 0
-        && finite.copied().all(f32::is_finite)
-        && position.frame.is_valid(&world.profile);
-    valid.then_some(position)
-}
-
-/// Numbers of a description that physics takes.
-fn is_finite(p: &PhysicsDesc) -> bool {
-    let f = &p.fields;
-    let place = f.position.map(|p| {
-        let [x, y, z] = p.origin;
-        let [a, b, c, d] = p.rotation;
-        [x, y, z, a, b, c, d]
-    });
-    let vectors = [f.velocity, f.acceleration, f.omega];
-    let scalars = [f.scale, f.friction, f.elasticity, f.translucency];
-    place.iter().flatten().all(|v| v.is_finite())
-        && vectors.iter().flatten().flatten().all(|v| v.is_finite())
-        && scalars.iter().flatten().all(|v| v.is_finite())
-        && movement_of(p).is_none_or(|(data, _)| data.is_finite() || data.update().is_err())
-}
-
-const fn movement_of(p: &PhysicsDesc) -> Option<(&MovementData, u32)> {
-    match &p.motion {
-        Motion::Movement {
-            data: Some((data, autonomous)),
-            ..
-        } => Some((data, *autonomous)),
-        _ => None,
-    }
-}
-
-fn physics_description(p: &PhysicsDesc) -> PhysicsDescription {
-    let f = &p.fields;
-    PhysicsDescription {
-        state: p.state,
-        motion_table: f.motion_table,
-        autonomous: movement_of(p).map(|(_, autonomous)| autonomous != 0),
-        placement: match p.motion {
-            Motion::Placement(id) => Some(id),
-            _ => None,
-        },
-        scale: f.scale,
-        friction: f.friction,
-        elasticity: f.elasticity,
-        translucency: f.translucency,
-        velocity: f.velocity.map(Vec3::from_array),
-        default_script: f.default_script,
-        default_script_intensity: f.default_script_intensity,
-        timestamps: Timestamps(p.timestamps),
-    }
-}
-
-/// What physics asks the game description (4.3).
-fn take_weenie(entity: &mut Entity, desc: &WeenieDesc) {
-    let has = |bit: u32| desc.object_bits & bit != 0;
-    let player = has(object_bits::PLAYER);
-    let creature = player || desc.item_type & CREATURE != 0;
-    entity.body.weenie = WeenieFlags {
-        present: true,
-        player,
-        creature,
-        pk: has(object_bits::PLAYER_KILLER),
-        pk_lite: has(object_bits::PK_LITE),
-        impenetrable: has(object_bits::FREE_PK),
-        ..WeenieFlags::default()
-    };
-    let bit = |on: bool, bit: u32| if on { bit } else { 0 };
-    let weenie = entity.weenie.get_or_insert_with(Weenie::default);
-    weenie.corpse = has(object_bits::CORPSE);
-    weenie.profile = Some(CollisionProfile {
-        wcid: desc.class.0,
-        item_type: desc.item_type,
-        flags: bit(creature, 0x1)
-            | bit(player, 0x2)
-            | bit(has(object_bits::ATTACKABLE), 0x4)
-            | bit(has(object_bits::DOOR), 0x40),
-    });
 }
 
 #[cfg(test)]

@@ -4,7 +4,10 @@
 //!
 //! Source: `spec/09-network.md`, `spec/10-messages.md`.
 
+pub mod actions;
+pub mod client;
 pub mod entities;
 pub mod messages;
 pub mod session;
+pub mod stage;
 pub mod transport;

@@ -85,14 +85,19 @@ impl Entity {
             return false;
         }
         let own = self.id;
-        let profile = &world.profile;
-        let Some(holder) = world.entities.get_mut(parent) else {
+        world.with_entity(parent, |holder, world| {
+            // Its parts were not placed as long as nobody needed them.
+            if std::mem::take(&mut holder.unposed) {
+                holder.update_parts(world);
+            }
+            holder.settle_parts(&world.profile);
+        });
+        let Some(holder) = world.entity_mut(parent) else {
             return false;
         };
         if !holder.add_child(own, attachment) {
             return false;
         }
-        holder.settle_parts(profile);
         let (examination, hidden) = (
             holder.examination_object,
             holder.body.state.contains(PhysicsState::HIDDEN),

@@ -41,6 +41,21 @@ impl Entity {
             && self.keeps_playing_in_place()
     }
 
+    /// Notes whether the object stands still.
+    #[inline]
+    pub(crate) fn note_stand(&mut self, stands: bool) {
+        if let Some(parts) = &mut self.body.part_array {
+            parts.stands_still = stands;
+        }
+    }
+
+    /// Whether it has stood still; it no longer counts as doing so.
+    #[inline]
+    pub(crate) fn end_stand(&mut self) -> bool {
+        let parts = self.body.part_array.as_mut();
+        parts.is_some_and(|parts| std::mem::take(&mut parts.stands_still))
+    }
+
     /// Nothing that may act in a quantum is there.
     fn nobody_moves_it(&self) -> bool {
         let acts = PhysicsState::HIDDEN | PhysicsState::ALIGN_PATH | PhysicsState::SLEDDING;

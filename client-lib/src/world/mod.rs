@@ -12,6 +12,8 @@ mod cell_collision;
 mod cell_list;
 mod cell_list_memo;
 mod dat_source;
+#[doc(hidden)]
+pub mod fuzzing;
 pub mod landscape;
 mod loading;
 mod random;
@@ -22,6 +24,7 @@ mod scratch;
 mod shadows;
 mod source;
 mod statics;
+mod streaming;
 pub mod terrain;
 pub mod window;
 #[allow(
@@ -42,6 +45,7 @@ pub use room_volume::{Quick, RoomVolume};
 pub use scratch::Scratch;
 pub use source::{Lookup, MemorySource, WorldSource};
 pub use statics::{StaticKind, StaticObject};
+pub use streaming::Streaming;
 pub use world::{CellHandle, Clock, World};
 
 #[cfg(test)]

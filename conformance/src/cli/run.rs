@@ -8,29 +8,28 @@ use std::{
 };
 
 use ac_client::profile::Profile;
-use ac_golden_traces::corpus;
+use ac_golden_traces::{GoldenError, corpus};
 use ac_replayer::Simulator;
+use ac_replayer::client::{ClientSimulator, PlanChoice};
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, miette};
 
-use super::{COULD_NOT_RUN, DIFFERS, Format, emit};
+use super::{Format, gate};
 use crate::{
+    compare::policy::Policy,
+    gate::{Document, Shard},
     report_html,
-    run::{
-        self, Mode, Options, PROFILES,
-        baseline::Baseline,
-        cases,
-        report::{Totals, human, json},
-    },
+    run::{self, Mode, Options, PROFILES, baseline::Baseline, cases},
 };
 
 /// Arguments of `ac-conform run`.
 #[derive(clap::Args)]
+#[command(after_help = gate::EXIT_CODES)]
 pub struct Args {
     /// Traces (`*.mcap`), scenes (`*.scene.json`, with their expectations beside them or under --expect), or folders of them.
     /// Default: the bundled traces.
-    paths: Vec<PathBuf>,
-    /// Folder of the worlds. Default: the bundled worlds.
+    pub(super) paths: Vec<PathBuf>,
+    /// Folder of the worlds. Default: `worlds` in a given folder, else the bundled worlds.
     #[arg(long)]
     pub(super) worlds: Option<PathBuf>,
     /// Folder of expectations for scene files: `ORACLE/AREA/NAME.expect.jsonl` (`.gz`).
@@ -57,55 +56,74 @@ pub struct Args {
     /// File of known divergences. Default for the bundled traces: `conformance/baseline.toml`.
     #[arg(long)]
     baseline: Option<PathBuf>,
+    /// Work that is done: `full` (everything a client does), `auto` (what can change the states), or a file of `ac-replay plan`. Results are
+    /// the same. Default: records are opened when they are first asked for, every entity is advanced in every frame.
+    #[arg(long, value_name = "full|auto|FILE")]
+    plan: Option<String>,
+    /// Carry a plan file out even if it leaves out what may change results.
+    #[arg(long, requires = "plan")]
+    force_plan: bool,
     /// Write a report for a browser into this folder: DIR/index.html.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
+    /// File that says what may differ and what is not run (docs/ci.md). Default: nothing may differ.
+    #[arg(long, value_name = "FILE")]
+    policy: Option<PathBuf>,
+    /// Run one part of the scenes: `i/n` deals them out, `hash:i/n` goes by their names; i counts from 1.
+    #[arg(long)]
+    shard: Option<Shard>,
+    #[command(flatten)]
+    outputs: gate::Outputs,
 }
 
-/// Runs and compares; exit code 1 when something diverges that the baseline does not know.
+impl Args {
+    /// The client library on the worlds and under the plan that the arguments name.
+    pub(super) fn simulator(&self) -> miette::Result<ClientSimulator> {
+        let plan = PlanChoice::parse(self.plan.as_deref(), self.force_plan).into_diagnostic()?;
+        Ok(super::simulator(self.worlds.as_deref(), &self.paths).with_plan(plan))
+    }
+}
+
+/// Runs and compares; exit code 1 when something is new, changed or flaky.
 ///
 /// # Errors
 /// When nothing can be run.
 pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
     let options = options(args)?;
     let baseline = baseline(args)?;
+    let policy = match &args.policy {
+        Some(path) => Policy::open(path).into_diagnostic()?,
+        None => Policy::default(),
+    };
     let cases = find_cases(args)?;
     let bar = progress(cases.len() as u64);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.jobs)
         .build()
         .into_diagnostic()?;
-    let outcome = pool.install(|| match args.report {
-        Some(_) => run::run_with_series(simulator, &cases, &options, || bar.inc(1)),
-        None => run::run(simulator, &cases, &options, || bar.inc(1)),
+    let document = pool.install(|| {
+        Document::run(simulator, &cases, &options, &policy, args.shard, || {
+            bar.inc(1)
+        })
     });
     bar.finish_and_clear();
-    let totals = Totals::of(&outcome.results, &baseline);
-    match args.format {
-        Format::Human => emit(&human(&outcome.results, &totals, &baseline))?,
-        Format::Json => emit(&json(&outcome.results, &totals).into_diagnostic()?)?,
-    }
-    if let Some(folder) = &args.report {
-        let (results, series) = (&outcome.results, &outcome.series);
-        let file = report_html::write(folder, results, series, &totals, &baseline);
-        eprintln!("report: {}", file.into_diagnostic()?.display());
-    }
-    for error in &outcome.errors {
-        eprintln!("could not run: {error}");
-    }
-    Ok(if !outcome.errors.is_empty() {
-        ExitCode::from(COULD_NOT_RUN)
-    } else if outcome.results.is_empty() {
+    // A small shard may be empty; a run that compares nothing is a mistake.
+    let nothing = document.results.is_empty()
+        && document.errors.is_empty()
+        && document.skipped.is_empty()
+        && args.shard.is_none();
+    if nothing {
         return Err(miette!(
             help = "name other paths, another --oracle or another --mode",
             "there is nothing to compare in the {} cases found",
             cases.len()
         ));
-    } else if totals.new_divergences > 0 {
-        ExitCode::from(DIFFERS)
-    } else {
-        ExitCode::SUCCESS
-    })
+    }
+    if let Some(folder) = &args.report {
+        let file = report_html::write(folder, &document, &policy, &baseline);
+        eprintln!("report: {}", file.into_diagnostic()?.display());
+    }
+    args.outputs.write(&document, &baseline, args.format)
 }
 
 fn options(args: &Args) -> miette::Result<Options> {
@@ -127,20 +145,16 @@ fn options(args: &Args) -> miette::Result<Options> {
         modes,
         oracle: (args.oracle != "all").then(|| args.oracle.clone()),
         profile,
+        series: args.report.is_some(),
     })
 }
 
 fn find_cases(args: &Args) -> miette::Result<Vec<run::Case>> {
-    let bundled = [corpus::bundled().join("traces")];
-    let paths = if args.paths.is_empty() {
-        &bundled[..]
-    } else {
-        &args.paths
-    };
-    let cases =
-        cases::find(paths, args.expect.as_deref(), args.stages.as_deref()).into_diagnostic()?;
+    let (expect, stages) = (args.expect.as_deref(), args.stages.as_deref());
+    let cases = cases::find_or_bundled(&args.paths, expect, stages).map_err(no_cases)?;
     if cases.is_empty() {
-        let paths: Vec<_> = paths
+        let paths: Vec<_> = args
+            .paths
             .iter()
             .map(|path| path.display().to_string())
             .collect();
@@ -151,6 +165,34 @@ fn find_cases(args: &Args) -> miette::Result<Vec<run::Case>> {
         ));
     }
     Ok(cases)
+}
+
+/// What to do about a path at which there is nothing.
+fn no_cases(error: GoldenError) -> miette::Report {
+    match &error {
+        GoldenError::Io { path, source } if source.kind() == std::io::ErrorKind::NotFound => {
+            let advice = advice_for(path);
+            miette!(
+                help = advice,
+                "{}: there is no such file or folder",
+                path.display()
+            )
+        }
+        _ => miette::Report::msg(error.to_string()),
+    }
+}
+
+fn advice_for(path: &Path) -> String {
+    let name = path.to_string_lossy();
+    let bundled = corpus::bundled().join("traces");
+    let near = bundled.join(format!("{}.mcap", name.trim_end_matches(".mcap")));
+    if path.is_relative() && near.is_file() {
+        return format!("the bundled scene of this name is {}", near.display());
+    }
+    format!(
+        "traces end in .mcap, scenes in .scene.json; without a path the bundled traces under {} are run",
+        bundled.display()
+    )
 }
 
 /// The named baseline, or that of the bundled traces when those are run.

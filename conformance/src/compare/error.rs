@@ -1,6 +1,6 @@
 //! How far apart two numbers are.
 
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
 use crate::vectors::json;
@@ -15,9 +15,10 @@ pub struct Error {
 }
 
 /// The largest distance of a field over all frames.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MaxError {
     /// Largest absolute difference, in the field's unit. Infinite where one of the numbers is not finite; JSON has null there.
+    #[serde(deserialize_with = "or_infinite")]
     pub abs: f64,
     /// Largest number of floats (of the field's width) between the two.
     pub ulp: u64,
@@ -28,12 +29,18 @@ pub struct MaxError {
     pub unit: &'static str,
 }
 
+fn or_infinite<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or(f64::INFINITY))
+}
+
 /// How well two runs agree.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Class {
     /// Same bits.
+    #[default]
     Exact,
-    /// Only numbers differ, none by more than its field's bound.
+    /// Everything that differs is within the bound of a policy's rule.
     WithinTolerance,
     /// More than that.
     Diverged,

@@ -37,15 +37,17 @@ impl Difference<'_> {
 
 type Report<'a> = &'a mut dyn FnMut(&Difference<'_>);
 
-/// How far a field may be off and still be "within tolerance": well below what a player can see or a server checks.
-pub fn tolerance(field: &str) -> f64 {
-    match field {
-        // Millimetres, millimetres per second, about 0.05 degrees.
-        "origin" | "velocity" | "anim.velocity" | "contact_plane.d" => 1e-3,
-        "rotation" | "omega" | "anim.omega" | "contact_plane.n" | "sliding_normal" => 1e-3,
-        "acceleration" | "anim.frame_number" => 1e-3,
-        _ => 0.0,
+/// Metres between the two positions, in whichever landblocks they are. Infinite when only one of them is in a cell.
+pub fn distance(expected: &FrameState, actual: &FrameState) -> f64 {
+    if (expected.cell == 0) != (actual.cell == 0) {
+        return f64::INFINITY;
     }
+    let shift = landblock_shift(expected.cell, actual.cell);
+    (0..3)
+        .map(|i| f64::from(expected.origin[i]) - f64::from(actual.origin[i]) + shift[i])
+        .map(|off| off * off)
+        .sum::<f64>()
+        .sqrt()
 }
 
 /// Reports every difference of two records, in the order of the format.

@@ -10,20 +10,21 @@
 
 pub mod error;
 pub mod fields;
+pub mod policy;
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::Arc};
 
 use ac_client::frame::{
     FrameState,
     state::{Fields, Outcome},
 };
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 pub use error::{Class, MaxError};
 
 /// The result of comparing one entity of one scene with one oracle in one mode.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Comparison {
     /// Frames (in stage mode: stage records) with an expectation.
     pub frames_compared: u64,
@@ -33,16 +34,20 @@ pub struct Comparison {
     pub undefined: u64,
     /// Stage records that the client cannot run alone: they are neither compared nor counted above.
     pub not_run: u64,
-    /// The first difference.
+    /// The first difference that no rule tolerates.
     pub first_divergence: Option<Divergence>,
     /// Largest error of each numeric field that differs anywhere.
     pub max_error: BTreeMap<String, MaxError>,
     /// Something differs that is no number: an id, an outcome, an event, presence.
     pub structural: bool,
+    /// What may differ; nothing when empty. The first rule that names a field decides.
+    pub rules: Vec<Arc<policy::Rule>>,
+    /// Differences within a rule's bound: how many, by the rule's title.
+    pub tolerated: BTreeMap<String, u64>,
 }
 
 /// A place where expectation and simulation part.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Divergence {
     /// The frame.
     pub frame: i32,
@@ -86,8 +91,21 @@ impl Comparison {
     #[cold]
     fn differing_frame(&mut self, expected: &FrameState, actual: &FrameState) {
         let mut exact = true;
+        let vectors = self.vectors(expected, actual);
         fields::differences(expected, actual, &mut |difference| {
             exact = false;
+            if vectors.contains(&difference.field) && difference.error.is_some() {
+                return;
+            }
+            if let Some(rule) = policy::rule_of(&self.rules, difference.field)
+                && rule.bound.tolerates(difference)
+            {
+                *self.tolerated.entry(rule.title()).or_default() += 1;
+                if let Some(error) = difference.error {
+                    self.error(difference.field, expected.frame, error, difference.unit);
+                }
+                return;
+            }
             match difference.error {
                 Some(error) => self.error(difference.field, expected.frame, error, difference.unit),
                 None => self.structural = true,
@@ -106,6 +124,48 @@ impl Comparison {
         self.frames_exact += u64::from(exact);
     }
 
+    /// The vectors that a rule bounds as a whole and that are within that bound: their parts are not looked at.
+    fn vectors(&mut self, expected: &FrameState, actual: &FrameState) -> Vec<&'static str> {
+        let mut within = Vec::new();
+        for (name, field) in [("origin", Fields::ORIGIN), ("rotation", Fields::ROTATION)] {
+            let Some(rule) = policy::rule_of(&self.rules, name) else {
+                continue;
+            };
+            if !(expected.has & actual.has).contains(field) {
+                continue;
+            }
+            let (abs, bound, measured, unit) = match rule.bound {
+                policy::Bound::Angle(bound) => (
+                    policy::angle(expected.rotation, actual.rotation),
+                    bound,
+                    "rotation (angle)",
+                    "rad",
+                ),
+                policy::Bound::Distance(bound) => (
+                    fields::distance(expected, actual),
+                    bound,
+                    "origin (distance)",
+                    "m",
+                ),
+                _ => continue,
+            };
+            let same = match field {
+                Fields::ORIGIN => {
+                    expected.origin.map(f32::to_bits) == actual.origin.map(f32::to_bits)
+                        && abs == 0.0
+                }
+                _ => expected.rotation.map(f32::to_bits) == actual.rotation.map(f32::to_bits),
+            };
+            // Written so that not-a-number is not within the bound.
+            if !same && abs <= bound {
+                within.push(name);
+                *self.tolerated.entry(rule.title()).or_default() += 1;
+                self.error(measured, expected.frame, error::Error { abs, ulp: 0 }, unit);
+            }
+        }
+        within
+    }
+
     /// Compares one stage record's `out` with the actual one; `None`, when the client cannot run the stage alone, is left out
     /// and counted.
     pub fn stage(&mut self, frame: i32, stage: &str, expected: &Value, actual: Option<&Value>) {
@@ -122,13 +182,19 @@ impl Comparison {
             &mut |path, expected, actual| {
                 exact = false;
                 let error = actual.and_then(|actual| error::between_values(expected, actual));
+                let field = format!("{stage}.{}", fields::without_indices(path));
+                let values = || (expected.clone(), actual.cloned().unwrap_or(Value::Null));
+                if let Some(rule) = policy::rule_of(&self.rules, &field)
+                    && rule.bound.holds(error, values)
+                {
+                    *self.tolerated.entry(rule.title()).or_default() += 1;
+                    if let Some(error) = error {
+                        self.error(&field, frame, error, "");
+                    }
+                    return;
+                }
                 match error {
-                    Some(error) => self.error(
-                        &format!("{stage}.{}", fields::without_indices(path)),
-                        frame,
-                        error,
-                        "",
-                    ),
+                    Some(error) => self.error(&field, frame, error, ""),
                     None => self.structural = true,
                 }
                 if self.first_divergence.is_none() {
@@ -175,17 +241,12 @@ impl Comparison {
 
     /// Exact, within tolerance, or diverged.
     pub fn class(&self) -> Class {
-        if self.first_divergence.is_none() {
-            Class::Exact
-        } else if !self.structural
-            && self
-                .max_error
-                .iter()
-                .all(|(field, max)| max.abs <= fields::tolerance(field))
-        {
-            Class::WithinTolerance
-        } else {
+        if self.first_divergence.is_some() {
             Class::Diverged
+        } else if self.tolerated.is_empty() {
+            Class::Exact
+        } else {
+            Class::WithinTolerance
         }
     }
 }

@@ -151,7 +151,8 @@ impl Baseline {
 }
 
 impl Known {
-    fn names(&self, result: &RunResult) -> bool {
+    /// Whether the entry is for this result, wherever it diverges.
+    pub(crate) fn names(&self, result: &RunResult) -> bool {
         self.scene == result.scene
             && self.oracle == result.oracle
             && self.mode == result.mode.name()

@@ -15,17 +15,29 @@ use std::{collections::BTreeMap, path::PathBuf};
 use ac_golden_traces::GoldenError;
 use ac_replayer::{SimulationError, Simulator};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 pub use cases::Case;
 
 use crate::{
-    compare::{Class, Comparison, Divergence, MaxError},
+    compare::{Class, Comparison, Divergence, MaxError, policy::Policy},
     report_html::Series,
 };
 
 /// How to compare.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, clap::ValueEnum)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    clap::ValueEnum,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
     /// From the first state on, never corrected: shows drift.
@@ -59,10 +71,12 @@ pub struct Options {
     pub oracle: Option<String>,
     /// Profile to run under; `None`: that of the oracle.
     pub profile: Option<String>,
+    /// Keep of every frame what a report draws: memory then grows with the number of frames.
+    pub series: bool,
 }
 
 /// The result for one scene, oracle, mode and entity.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunResult {
     /// Name of the scene.
     pub scene: String,
@@ -85,17 +99,29 @@ pub struct RunResult {
     /// Largest error per numeric field that differs.
     pub max_error: BTreeMap<String, MaxError>,
     /// Frames whose expectation is not finite somewhere.
-    #[serde(skip)]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub undefined: u64,
     /// Exact, within tolerance or diverged.
-    #[serde(skip)]
+    #[serde(default, skip_serializing_if = "is_said_by_divergence")]
     pub class: Class,
+    /// Differences that a rule of the policy tolerates: how many, by the rule.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub tolerated: BTreeMap<String, u64>,
     /// Stage records that the client cannot run alone.
-    #[serde(skip)]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub not_run: u64,
     /// Stage records per stage (stage mode).
     #[serde(skip)]
     pub stages: BTreeMap<String, StageCount>,
+}
+
+fn is_zero(number: &u64) -> bool {
+    *number == 0
+}
+
+/// Exact and diverged follow from `first_divergence`.
+fn is_said_by_divergence(class: &Class) -> bool {
+    *class != Class::WithinTolerance
 }
 
 /// Records of one stage.
@@ -130,6 +156,7 @@ impl RunResult {
             undefined: comparison.undefined,
             not_run: comparison.not_run,
             class: comparison.class(),
+            tolerated: comparison.tolerated,
             first_divergence: comparison.first_divergence,
             max_error: comparison.max_error,
             stages: BTreeMap::new(),
@@ -174,6 +201,14 @@ pub enum RunError {
     },
 }
 
+/// The oracle that is this library itself: what its profile `retail` did when it was last blessed (see [`crate::bless`]).
+pub const SELF: &str = "self";
+
+/// Name of the profile that is compared with an oracle.
+pub fn profile_of(oracle: &str) -> &str {
+    if oracle == SELF { "retail" } else { oracle }
+}
+
 /// The presets that `--profile` accepts.
 pub const PROFILES: [&str; 4] = ["retail", "ace", "gdle", "gdle-repaired"];
 
@@ -184,7 +219,7 @@ pub struct Outcome {
     pub results: Vec<RunResult>,
     /// Cases that could not run.
     pub errors: Vec<RunError>,
-    /// What a report draws; empty unless it was asked for ([`run_with_series`]).
+    /// What a report draws; empty unless it was asked for ([`Options::series`]).
     pub series: Vec<Series>,
 }
 
@@ -195,30 +230,21 @@ pub fn run(
     options: &Options,
     done: impl Fn() + Sync,
 ) -> Outcome {
-    run_cases(simulator, cases, options, false, done)
+    run_with(simulator, cases, options, &Policy::default(), done)
 }
 
-/// As [`run`], and keeps of every frame what a report draws: memory then grows with the number of frames.
-pub fn run_with_series(
+/// [`run`] with a policy that says what may differ.
+pub fn run_with(
     simulator: &dyn Simulator,
     cases: &[Case],
     options: &Options,
-    done: impl Fn() + Sync,
-) -> Outcome {
-    run_cases(simulator, cases, options, true, done)
-}
-
-fn run_cases(
-    simulator: &dyn Simulator,
-    cases: &[Case],
-    options: &Options,
-    keep_series: bool,
+    policy: &Policy,
     done: impl Fn() + Sync,
 ) -> Outcome {
     let each: Vec<_> = cases
         .par_iter()
         .map(|case| {
-            let results = runner::run_case(simulator, case, options, keep_series);
+            let results = runner::run_case(simulator, case, options, policy);
             done();
             results
         })

@@ -3,6 +3,7 @@
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 use ac_client::{
@@ -17,8 +18,15 @@ use ac_golden_traces::{
 use ac_replayer::{Simulation, SimulationError, Simulator};
 use serde_json::{Value, value::RawValue};
 
-use super::{Case, Mode, Options, Outcome, RunError, RunResult, StageCount};
-use crate::{compare::Comparison, report_html::Series, vectors::json};
+use super::{Case, Mode, Options, Outcome, RunError, RunResult, StageCount, profile_of};
+use crate::{
+    compare::{
+        Comparison,
+        policy::{Policy, Rule},
+    },
+    report_html::Series,
+    vectors::json,
+};
 
 /// Runs a case in all modes with all oracles that the options name. What could not run is in the errors; the results of the
 /// rest stand beside it.
@@ -26,15 +34,15 @@ pub(super) fn run_case(
     simulator: &dyn Simulator,
     case: &Case,
     options: &Options,
-    keep_series: bool,
+    policy: &Policy,
 ) -> Outcome {
     let outcome = match case {
-        Case::Trace(path) => run_trace(simulator, path, options, keep_series),
+        Case::Trace(path) => run_trace(simulator, path, options, policy),
         Case::Files {
             scene,
             expect,
             stages,
-        } => run_files(simulator, scene, expect, stages, options, keep_series),
+        } => run_files(simulator, scene, expect, stages, options, policy),
     };
     outcome.unwrap_or_else(|error| Outcome {
         errors: vec![error],
@@ -46,7 +54,7 @@ fn run_trace(
     simulator: &dyn Simulator,
     path: &Path,
     options: &Options,
-    keep_series: bool,
+    policy: &Policy,
 ) -> Result<Outcome, RunError> {
     let mut reader = TraceReader::open(path)?;
     let states_wanted = options.modes.iter().any(|mode| *mode != Mode::Stage);
@@ -57,7 +65,7 @@ fn run_trace(
         (false, _) => |kind| matches!(kind, ChannelKind::Stages(_)),
     });
     let scene = reader.scene().clone();
-    let mut run = CaseRun::new(simulator, path, &scene, options, keep_series);
+    let mut run = CaseRun::new(simulator, path, &scene, options, policy);
     let mut states = FrameStates::new();
     while let Some(event) = reader.next_event(&mut states)? {
         match event {
@@ -81,10 +89,10 @@ fn run_files(
     expect: &[PathBuf],
     stages: &[PathBuf],
     options: &Options,
-    keep_series: bool,
+    policy: &Policy,
 ) -> Result<Outcome, RunError> {
     let scene = Scene::open(path)?;
-    let mut run = CaseRun::new(simulator, path, &scene, options, keep_series);
+    let mut run = CaseRun::new(simulator, path, &scene, options, policy);
     if options.modes.iter().any(|mode| *mode != Mode::Stage) {
         if expect.is_empty() {
             let reason = "no expectations for this scene: put NAME.expect.jsonl beside it or name their folder with --expect";
@@ -190,11 +198,11 @@ struct CaseRun<'a> {
     path: &'a Path,
     scene: &'a Scene,
     options: &'a Options,
+    policy: &'a Policy,
     frame_runs: BTreeMap<String, Vec<FrameRun>>,
     /// `None`: a record could not be understood, the rest is not run.
     stage_runs: BTreeMap<String, Option<StageRun>>,
     errors: Vec<RunError>,
-    keep_series: bool,
 }
 
 impl<'a> CaseRun<'a> {
@@ -203,14 +211,14 @@ impl<'a> CaseRun<'a> {
         path: &'a Path,
         scene: &'a Scene,
         options: &'a Options,
-        keep_series: bool,
+        policy: &'a Policy,
     ) -> Self {
         Self {
-            keep_series,
             simulator,
             path,
             scene,
             options,
+            policy,
             frame_runs: BTreeMap::new(),
             stage_runs: BTreeMap::new(),
             errors: Vec::new(),
@@ -252,8 +260,10 @@ impl<'a> CaseRun<'a> {
         modes
             .map(|mode| {
                 let (profile, simulation) = self.start(oracle)?;
-                let mut run = FrameRun::new(*mode, profile, simulation, &self.scene.track);
-                if self.keep_series {
+                let rules = self.policy.rules_for(&self.scene.name, oracle);
+                let track = &self.scene.track;
+                let mut run = FrameRun::new(*mode, profile, simulation, track, &rules);
+                if self.options.series {
                     run.keep_series(&self.scene.name, oracle);
                 }
                 Ok(run)
@@ -267,7 +277,7 @@ impl<'a> CaseRun<'a> {
             .options
             .profile
             .clone()
-            .unwrap_or_else(|| oracle.to_owned());
+            .unwrap_or_else(|| profile_of(oracle).to_owned());
         let profile = Profile::named(&name).ok_or_else(|| RunError::Profile {
             path: self.path.into(),
             name: name.clone(),
@@ -304,6 +314,7 @@ impl<'a> CaseRun<'a> {
                 Some(StageRun {
                     profile,
                     simulation,
+                    rules: self.policy.rules_for(&self.scene.name, oracle),
                     entities: Vec::new(),
                 }),
             );
@@ -394,7 +405,13 @@ struct FrameRun {
 }
 
 impl FrameRun {
-    fn new(mode: Mode, profile: String, simulation: Box<dyn Simulation>, track: &[u32]) -> Self {
+    fn new(
+        mode: Mode,
+        profile: String,
+        simulation: Box<dyn Simulation>,
+        track: &[u32],
+        rules: &[Arc<Rule>],
+    ) -> Self {
         Self {
             mode,
             profile,
@@ -404,7 +421,7 @@ impl FrameRun {
             next_frame: -1,
             entities: track
                 .iter()
-                .map(|guid| (*guid, Comparison::default()))
+                .map(|guid| (*guid, with_rules(rules)))
                 .collect(),
             series: Vec::new(),
         }
@@ -472,6 +489,13 @@ impl FrameRun {
     }
 }
 
+fn with_rules(rules: &[Arc<Rule>]) -> Comparison {
+    Comparison {
+        rules: rules.to_vec(),
+        ..Comparison::default()
+    }
+}
+
 /// Records per stage.
 type StageCounts = BTreeMap<String, StageCount>;
 
@@ -479,6 +503,7 @@ type StageCounts = BTreeMap<String, StageCount>;
 struct StageRun {
     profile: String,
     simulation: Box<dyn Simulation>,
+    rules: Vec<Arc<Rule>>,
     entities: Vec<(u32, Comparison, StageCounts)>,
 }
 
@@ -512,7 +537,7 @@ impl StageRun {
                 .position(|(of, ..)| *of == guid)
                 .unwrap_or_else(|| {
                     self.entities
-                        .push((guid, Comparison::default(), StageCounts::new()));
+                        .push((guid, with_rules(&self.rules), StageCounts::new()));
                     self.entities.len() - 1
                 });
             let (_, comparison, stages) = &mut self.entities[place];

@@ -29,6 +29,7 @@ fn result(mode: Mode, exact: u64) -> RunResult {
         max_error: BTreeMap::new(),
         undefined: 0,
         class: Class::Exact,
+        tolerated: BTreeMap::new(),
         not_run: 2,
         stages: [("commit".to_owned(), stage)]
             .into_iter()
@@ -82,6 +83,8 @@ fn the_page() {
         motionless: ["terrain/one".to_owned()].into(),
         retail: vec![result(Mode::Free, 2)],
         sensitivity: vec![sensitive()],
+        plans: Vec::new(),
+        numerics: Numerics::default(),
         wall: Duration::from_millis(1500),
         vectors_wall: Duration::from_millis(250),
         sensitivity_wall: Duration::from_millis(12_340),
@@ -95,6 +98,7 @@ fn the_page() {
             median: 1500.0,
             elements: Some(3),
         }],
+        tools: Default::default(),
     };
     let page = page(&measured).replace("(debug build; ", "(release build; ");
     // What other switches there are is no matter of this test.

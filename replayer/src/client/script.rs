@@ -99,7 +99,7 @@ fn command(entity: &mut Entity, action: &Action, world: &mut World) {
 }
 
 /// Parameters of a move-to: what is absent has the default.
-fn params(spec: &MoveParams, profile: &Profile) -> MovementParameters {
+pub fn params(spec: &MoveParams, profile: &Profile) -> MovementParameters {
     let mut params = MovementParameters::new(profile);
     if let Some(bits) = spec.bitfield {
         params.flags = MovementFlags::from_bits_retain(bits);

@@ -5,7 +5,7 @@ use crate::entity::Entity;
 use crate::math::{EPSILON, Frame, Plane, Position, Vec3};
 use crate::motion::constants::POSITION_EVENT_INTERVAL;
 use crate::motion::wire::{pad, put_f32, put_u16, put_u32};
-use crate::motion::{Command, HoldKey, RawMotionState};
+use crate::motion::{Command, HoldKey, MovementParameters, RawMotionState};
 
 /// The four counters that travel with positions of the player.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -88,6 +88,10 @@ pub enum Outgoing {
         /// 0..=1.
         extent: f32,
     },
+    /// Who is to move the player from now on (0xF752).
+    AutonomyLevel(AutonomyLevel),
+    /// A turn to a heading (0xF649). Nothing here sends it: its body is not documented, that of a server's turn is written.
+    TurnTo(MovementParameters),
 }
 
 impl Outgoing {
@@ -100,6 +104,8 @@ impl Outgoing {
             Self::DoMovementCommand { .. } => 0xF61E,
             Self::StopMovementCommand { .. } => 0xF661,
             Self::JumpNonAutonomous { .. } => 0xF7C9,
+            Self::AutonomyLevel(_) => 0xF752,
+            Self::TurnTo(_) => 0xF649,
         }
     }
 
@@ -153,6 +159,8 @@ impl Outgoing {
                 put_u32(message, hold_key.code());
             }
             Self::JumpNonAutonomous { extent } => put_f32(message, *extent),
+            Self::AutonomyLevel(level) => put_u32(message, *level as u32),
+            Self::TurnTo(params) => params.pack_turn(message),
         }
     }
 }

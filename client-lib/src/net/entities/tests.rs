@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::dat::{DatSet, Strictness};
-use crate::net::messages::common::{List, Text};
+use crate::net::messages::common::{List, Text, WirePosition};
 use crate::net::messages::movement::MovementData;
 use crate::net::messages::physics_desc::PhysicsFields;
 use crate::profile::Profile;

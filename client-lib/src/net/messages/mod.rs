@@ -360,6 +360,18 @@ impl ServerMessage {
         }
     }
 
+    /// Whether the message's layout is not read.
+    pub const fn is_unread(&self) -> bool {
+        matches!(
+            self,
+            Self::Plain(PlainServerMessage::Unread(..))
+                | Self::Event {
+                    event: GameEvent::Unread(..),
+                    ..
+                }
+        )
+    }
+
     /// Whether bits are set that no layout knows; such a message is to be reported (14.7).
     pub fn has_unknown_bits(&self) -> bool {
         use PlainServerMessage as P;

@@ -92,6 +92,8 @@ pub struct ServerSession {
     config: ServerConfig,
     state: ServerState,
     login: Option<Login>,
+    /// The ConnectRequest: sent again when the login comes again.
+    greeting: Vec<u8>,
     connection: Option<Connection>,
     started: f64,
     last_sync: f64,
@@ -107,6 +109,7 @@ impl ServerSession {
             config,
             state: ServerState::AwaitLogin,
             login: None,
+            greeting: Vec::new(),
             connection: None,
             started: now,
             last_sync: now,
@@ -153,6 +156,7 @@ impl ServerSession {
         match (self.state, port) {
             (ServerState::Closed, _) => {}
             (ServerState::AwaitLogin, Port::Login) => self.receive_login(datagram, now),
+            (ServerState::AwaitAnswer, Port::Login) => self.greet_again(datagram),
             (ServerState::AwaitAnswer, Port::Next) => self.receive_answer(datagram, now),
             (ServerState::Connected, Port::Login) => self.receive_packet(datagram, now),
             // Repeats of the handshake, and packets to the wrong port.
@@ -160,13 +164,18 @@ impl ServerSession {
         }
     }
 
+    /// The client has not got the answer to its login. (ACE forgets the session here and waits for the next login; this server is for tests.)
+    fn greet_again(&mut self, datagram: &[u8]) {
+        if read_login(datagram).is_some() {
+            self.transmits.push_back(Transmit {
+                port: Port::Login,
+                bytes: self.greeting.clone(),
+            });
+        }
+    }
+
     fn receive_login(&mut self, datagram: &[u8], now: f64) {
-        let Some(login) = Packet::parse(datagram)
-            .ok()
-            .filter(|p| p.verify() == Verified::Clear)
-            .and_then(|p| p.optional.login)
-            .and_then(|payload| LoginRequest::parse(payload).ok())
-        else {
+        let Some(login) = read_login(datagram) else {
             return;
         };
         let account = match login.auth {
@@ -205,6 +214,7 @@ impl ServerSession {
             .start(&optional)
             .finish(header, None)
             .to_vec();
+        self.greeting.clone_from(&bytes);
         self.transmits.push_back(Transmit {
             port: Port::Login,
             bytes,
@@ -272,6 +282,13 @@ impl ServerSession {
         }
     }
 
+    /// Sends messages that share packets where they fit, once the handshake is done.
+    pub fn send_all(&mut self, messages: &[(Queue, &[u8])], now: f64) {
+        if let (ServerState::Connected, Some(connection)) = (self.state, &mut self.connection) {
+            connection.send_all(messages, now);
+        }
+    }
+
     /// Ends the session.
     pub fn disconnect(&mut self) {
         if let Some(connection) = &mut self.connection {
@@ -296,6 +313,14 @@ impl ServerSession {
             }
         }
     }
+}
+
+fn read_login(datagram: &[u8]) -> Option<LoginRequest> {
+    let packet = Packet::parse(datagram).ok()?;
+    let payload = packet.optional.login?;
+    (packet.verify() == Verified::Clear)
+        .then(|| LoginRequest::parse(payload).ok())
+        .flatten()
 }
 
 #[cfg(test)]

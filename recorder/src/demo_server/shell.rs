@@ -1,0 +1,1 @@
+//! UDP around the server.
