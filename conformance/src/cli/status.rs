@@ -16,7 +16,8 @@ use rayon::prelude::*;
 use crate::{
     run::{self, Case, Mode, Options, cases, sensitivity},
     status::{
-        Cost, Measurements, PlanCost, RecorderNumbers, benches_in, costs, machine, numerics_in, page, plan_costs, tools_in,
+        Cost, Measurements, PlanCost, RecorderNumbers, benches_in, costs, machine, numerics_in,
+        page, plan_costs, tools_in,
     },
     vectors::{FnResult, run_file},
 };

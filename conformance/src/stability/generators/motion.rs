@@ -294,7 +294,10 @@ fn heading_seam(t: &mut Trial) {
     let near = heading_diff(359.999_94, 0.0, right, &p);
 =======
     let near = heading_diff(359.999_95, 0.0, right, &p);
+<<<<<<< HEAD
 >>>>>>> speed
+=======
+>>>>>>> rec
     t.promise(near + ac_client::math::EPSILON > 360.0, || {
         format!("359.99995 is {near} away")
     });
@@ -306,10 +309,14 @@ fn heading_seam(t: &mut Trial) {
         0.0001,
         180.0,
 <<<<<<< HEAD
+<<<<<<< HEAD
         359.999_94,
 =======
         359.999_95,
 >>>>>>> speed
+=======
+        359.999_95,
+>>>>>>> rec
         360.0,
         720.0,
         -90.0,
