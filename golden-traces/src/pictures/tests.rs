@@ -1,7 +1,5 @@
 use std::io::Cursor;
 
-use foxglove::messages::FrameTransform;
-
 use super::*;
 use crate::corpus;
 use crate::trace::TraceReader;
