@@ -19,6 +19,7 @@ use ac_client::{
 use ac_golden_traces::{
     GoldenError, Scene,
     import::hash_world,
+    pictures::of_trace,
     trace::{FormatVersion, TraceInfo, TraceReader},
 };
 use clap::{Parser, Subcommand};
@@ -100,6 +101,9 @@ struct RunArgs {
     /// The trace to write.
     #[arg(short, long)]
     output: PathBuf,
+    /// Also write the trace as pictures for Foxglove and Rerun, an MCAP file (docs/foxglove.md).
+    #[arg(long, value_name = "FILE")]
+    foxglove: Option<PathBuf>,
 }
 
 /// Parses the arguments of the process and runs the command.
@@ -193,6 +197,28 @@ fn write(args: &RunArgs, what: &Replay<'_>, simulation: &mut dyn Simulation) -> 
         what.scene.name,
         what.scene.track.len(),
         args.output.display()
+    );
+    if let Some(pictures) = &args.foxglove {
+        draw(&args.output, pictures).into_diagnostic()?;
+    }
+    Ok(())
+}
+
+/// Draws a trace that was just written.
+fn draw(trace: &Path, pictures: &Path) -> Result<(), GoldenError> {
+    let out = File::create(pictures).map_err(|source| GoldenError::Io {
+        path: pictures.into(),
+        source,
+    })?;
+    let mut reader = TraceReader::open(trace)?;
+    let library = concat!("ac-replay ", env!("CARGO_PKG_VERSION"));
+    let counts = of_trace(&mut reader, BufWriter::new(out), library, pictures)?;
+    println!(
+        "{}: {} objects at {} places, {} lines of log",
+        pictures.display(),
+        counts.objects,
+        counts.places,
+        counts.lines
     );
     Ok(())
 }
