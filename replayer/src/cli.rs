@@ -21,6 +21,7 @@ use miette::{IntoDiagnostic, WrapErr, miette};
 use crate::{
     Simulator,
     client::ClientSimulator,
+    packets::{self, command::PacketArgs},
     replay::{Detail, replay},
 };
 
@@ -40,7 +41,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Run a scene and write what every tracked entity did as a trace.
+    /// Run a scene or a packet recording and write what every tracked entity did as a trace.
     Run(RunArgs),
     /// Look into dat files and check them.
     Dat(crate::dat_cmd::DatArgs),
@@ -48,7 +49,7 @@ enum Command {
 
 #[derive(clap::Args)]
 struct RunArgs {
-    /// A scene (`*.scene.json`), or a trace (`*.mcap`) whose scene is run again.
+    /// A scene (`*.scene.json`), a trace (`*.mcap`) whose scene is run again, or a packet recording of ac-record (`*.mcap`).
     input: PathBuf,
     /// Folder of the worlds. Default: the bundled worlds.
     #[arg(long)]
@@ -62,6 +63,8 @@ struct RunArgs {
     /// The trace to write.
     #[arg(short, long)]
     output: PathBuf,
+    #[command(flatten)]
+    packets: PacketArgs,
 }
 
 /// Parses the arguments of the process and runs the command.
@@ -93,7 +96,6 @@ pub fn main() -> ExitCode {
 }
 
 fn run(args: &RunArgs) -> miette::Result<()> {
-    let (scene, text) = load(&args.input).into_diagnostic()?;
     let profile = Profile::named(&args.profile).ok_or_else(|| {
         miette!(
             help = "profiles: retail, ace, gdle, gdle-repaired",
@@ -101,29 +103,15 @@ fn run(args: &RunArgs) -> miette::Result<()> {
             args.profile
         )
     })?;
-    let worlds = args
-        .worlds
-        .clone()
-        .unwrap_or_else(|| corpus::bundled().join("worlds"));
-    let world = hash_world(&worlds.join(&scene.world))
+    let bytes = std::fs::read(&args.input)
         .into_diagnostic()
-        .wrap_err_with(|| {
-            format!(
-                "the world `{}` is not under {}; name its folder with --worlds",
-                scene.world,
-                worlds.display()
-            )
-        })?;
-    let info = TraceInfo {
-        version: FormatVersion::CURRENT,
-        scene: scene.name.clone(),
-        producer: concat!("ac-replay ", env!("CARGO_PKG_VERSION")).into(),
-        profile: args.profile.clone(),
-        world,
-    };
-    let mut simulation = ClientSimulator::new(worlds)
-        .start(&scene, &profile)
-        .into_diagnostic()?;
+        .wrap_err_with(|| format!("cannot read {}", args.input.display()))?;
+    if packets::is_recording(&bytes) {
+        return run_packets(args, &bytes, &profile);
+    }
+    let (scene, text) = load(&args.input).into_diagnostic()?;
+    let info = info(args, &scene)?;
+    let mut simulation = simulator(args).start(&scene, &profile).into_diagnostic()?;
     let detail = if args.checkpoints {
         Detail::Checkpoints
     } else {
@@ -145,6 +133,46 @@ fn run(args: &RunArgs) -> miette::Result<()> {
         args.output.display()
     );
     Ok(())
+}
+
+fn run_packets(args: &RunArgs, bytes: &[u8], profile: &Profile) -> miette::Result<()> {
+    let (session, scene) = args.packets.open(bytes, &args.input)?;
+    let info = info(args, &scene)?;
+    let output = &args.output;
+    let simulator = simulator(args);
+    let text = packets::command::run(session, &scene, &simulator, profile, &info, output)?;
+    print!("{text}");
+    Ok(())
+}
+
+fn worlds(args: &RunArgs) -> PathBuf {
+    args.worlds
+        .clone()
+        .unwrap_or_else(|| corpus::bundled().join("worlds"))
+}
+
+fn simulator(args: &RunArgs) -> ClientSimulator {
+    ClientSimulator::new(worlds(args))
+}
+
+fn info(args: &RunArgs, scene: &Scene) -> miette::Result<TraceInfo> {
+    let worlds = worlds(args);
+    let world = hash_world(&worlds.join(&scene.world))
+        .into_diagnostic()
+        .wrap_err_with(|| {
+            format!(
+                "the world `{}` is not under {}; name its folder with --worlds",
+                scene.world,
+                worlds.display()
+            )
+        })?;
+    Ok(TraceInfo {
+        version: FormatVersion::CURRENT,
+        scene: scene.name.clone(),
+        producer: concat!("ac-replay ", env!("CARGO_PKG_VERSION")).into(),
+        profile: args.profile.clone(),
+        world,
+    })
 }
 
 /// The scene in a file, and its text.

@@ -8,6 +8,7 @@ pub mod checkpoints;
 pub mod cli;
 pub mod client;
 pub mod dat_cmd;
+pub mod packets;
 pub mod replay;
 pub mod simulation;
 

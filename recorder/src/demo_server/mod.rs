@@ -9,6 +9,7 @@ mod describe;
 mod known;
 mod lobby;
 pub mod loopback;
+pub mod sessions;
 pub mod shell;
 mod steps;
 #[cfg(test)]

@@ -16,6 +16,7 @@ use ac_golden_traces::Scene;
 pub use scene::SceneRun;
 pub use script::params as move_parameters;
 
+use crate::packets::{self, PacketRun, Recording, Session};
 use crate::simulation::{Simulation, SimulationError, Simulator};
 
 /// Runs scenes with the client library. The worlds' files are opened once and shared.
@@ -23,16 +24,31 @@ use crate::simulation::{Simulation, SimulationError, Simulator};
 pub struct ClientSimulator {
     /// Folder whose subfolders are the worlds.
     worlds: PathBuf,
+    /// Folder of the packet recordings that scenes name.
+    packets: PathBuf,
     opened: Mutex<BTreeMap<String, Arc<DatSet>>>,
 }
 
 impl ClientSimulator {
-    /// A simulator for the worlds in a folder.
+    /// A simulator for the worlds in a folder. Packet recordings are looked for in the folder `packets` beside it.
     pub fn new(worlds: impl Into<PathBuf>) -> Self {
+        let worlds = worlds.into();
         Self {
-            worlds: worlds.into(),
+            packets: worlds.with_file_name(packets::AREA),
+            worlds,
             opened: Mutex::default(),
         }
+    }
+
+    /// The session that a scene of the feature `packets` stands for: `packets/NAME.mcap`.
+    fn session(&self, scene: &Scene) -> Result<Arc<Session>, SimulationError> {
+        let name = scene.name.strip_prefix("packets/").unwrap_or(&scene.name);
+        let path = self.packets.join(format!("{name}.mcap"));
+        let found = Recording::open(&path).and_then(|r| Session::find(&r, None, &path));
+        found.map(Arc::new).map_err(|error| SimulationError::Scene {
+            scene: scene.name.clone(),
+            reason: error.to_string(),
+        })
     }
 
     /// The dat files of a world.
@@ -63,6 +79,10 @@ impl Simulator for ClientSimulator {
         profile: &Profile,
     ) -> Result<Box<dyn Simulation>, SimulationError> {
         let source = self.world(&scene.world)?;
+        if scene.features.iter().any(|tag| tag == packets::FEATURE) {
+            let session = self.session(scene)?;
+            return Ok(Box::new(PacketRun::new(scene, session, source, profile)));
+        }
         Ok(Box::new(SceneRun::new(scene, source, profile)?))
     }
 }
