@@ -22,7 +22,8 @@ use super::{DemoConfig, DemoError, DemoNote, DemoServer, GUEST};
 pub enum Played {
     /// A player that the scene does not know, near its first entity.
     Guest,
-    /// An entity of the scene: its script goes on moving it, as a server moves a player.
+    /// An entity of the scene: its script moves it, as a server moves a player. The client's keys do not count, so that the scene stays what
+    /// it is; where the client says it is is compared.
     Entity(u32),
 }
 
@@ -172,6 +173,7 @@ impl DemoServer {
         }
         let id = self.avatar.id;
         match action {
+            _ if !self.avatar.guest => {}
             GameAction::MoveToState(m) => {
                 let last_action = &mut self.avatar.last_action;
                 self.run.world.with_entity(id, |player, world| {

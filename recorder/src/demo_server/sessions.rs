@@ -16,7 +16,7 @@ use ac_replayer::packets::{
 use ac_replayer::replay::ReplayError;
 
 use super::loopback::{Loopback, LoopbackConfig};
-use super::{Authority, DemoConfig, DemoError, Played};
+use super::{Abilities, Authority, DemoConfig, DemoError, Played};
 use crate::error::RecordError;
 use crate::fault::Faults;
 use crate::format::RecordingWriter;
@@ -39,6 +39,8 @@ pub struct GoldenSession {
     pub script: &'static str,
     /// The network.
     pub faults: Faults,
+    /// The client is told that it runs faster than it does.
+    pub misled: bool,
 }
 
 /// A network that takes 50 ms each way.
@@ -48,12 +50,13 @@ const GOOD: Faults = Faults::delay(0.05);
 pub const SESSIONS: [GoldenSession; 8] = [
     GoldenSession {
         name: "walk-corrections",
-        summary: "A guest runs, turns and jumps over a slow network; the server walks it too and puts it right when it is 0.4 m off.",
+        summary: "A guest that believes itself faster than it is runs, turns and jumps; the server walks it too and puts it right when it is 0.7 m off.",
         scene: "terrain/walk-flat",
         played: Played::Guest,
-        authority: Authority::Server(0.4),
+        authority: Authority::Server(0.7),
         script: "wait 0.3\nforward 1\nrun on\nforward 1.2\nturn-right 50\nhold forward\nwait 0.4\njump 0.3\nwait 0.6\nrelease forward\nwait 1",
-        faults: Faults::delay(0.15),
+        faults: Faults::delay(0.1),
+        misled: true,
     },
     GoldenSession {
         name: "teleport",
@@ -63,6 +66,7 @@ pub const SESSIONS: [GoldenSession; 8] = [
         authority: Authority::Server(1.0),
         script: "wait 4.6",
         faults: GOOD,
+        misled: false,
     },
     GoldenSession {
         name: "create-delete",
@@ -72,6 +76,7 @@ pub const SESSIONS: [GoldenSession; 8] = [
         authority: Authority::Server(1.0),
         script: "wait 4.8",
         faults: GOOD,
+        misled: false,
     },
     GoldenSession {
         name: "npc-motions",
@@ -81,6 +86,7 @@ pub const SESSIONS: [GoldenSession; 8] = [
         authority: Authority::Server(1.0),
         script: "wait 1\nbackward 1\nwait 1\nturn-left 45\nwait 2",
         faults: GOOD,
+        misled: false,
     },
     GoldenSession {
         name: "npc-move-to",
@@ -90,6 +96,7 @@ pub const SESSIONS: [GoldenSession; 8] = [
         authority: Authority::Server(1.0),
         script: "wait 5",
         faults: GOOD,
+        misled: false,
     },
     GoldenSession {
         name: "wield",
@@ -99,6 +106,7 @@ pub const SESSIONS: [GoldenSession; 8] = [
         authority: Authority::Server(1.0),
         script: "wait 4.6",
         faults: GOOD,
+        misled: false,
     },
     GoldenSession {
         name: "door",
@@ -108,6 +116,7 @@ pub const SESSIONS: [GoldenSession; 8] = [
         authority: Authority::Server(1.0),
         script: "wait 6",
         faults: GOOD,
+        misled: false,
     },
     GoldenSession {
         name: "lossy",
@@ -124,6 +133,7 @@ pub const SESSIONS: [GoldenSession; 8] = [
             delay: 0.05,
             jitter: 0.03,
         },
+        misled: false,
     },
 ];
 
@@ -199,6 +209,10 @@ impl GoldenSession {
         let mut server = DemoConfig::new(scene, source);
         server.played = self.played;
         server.authority = self.authority;
+        server.told = self.misled.then_some(Abilities {
+            run: 2 * Abilities::default().run,
+            ..Abilities::default()
+        });
         Ok(Loopback::new(&LoopbackConfig {
             server,
             script: Script::parse(self.script)?,

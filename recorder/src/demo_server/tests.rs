@@ -36,3 +36,17 @@ fn print_sizes() {
     eprintln!("{}", super::sessions::write_all(&dir).expect("written"));
     let _: Option<GoldenSession> = None;
 }
+
+#[test]
+fn debug_teleport() {
+    let golden = SESSIONS[1];
+    let mut session = golden.start().expect("a session");
+    while !session.is_over() {
+        let done: Result<(), core::convert::Infallible> = session.step(|_, _, _, _| Ok(()));
+        let Ok(()) = done;
+        if let Some(s) = session.sample() {
+            eprintln!("{:.2} client {:08X} {:?} server {:08X} {:?}", s.time, s.client.cell.0, s.client.frame.origin, s.server.cell.0, s.server.frame.origin);
+        }
+        while let Some(n) = session.server.poll_note() { eprintln!("{n:?}"); }
+    }
+}
