@@ -54,6 +54,12 @@ enum Command {
     Import(ImportArgs),
     /// Redact a recording again, with the rules of this program.
     Redact(OutputArgs),
+    /// Show a scene to one client over the game's protocol, on a network as bad as wanted. A development tool: it trusts every login.
+    DemoServer(crate::demo_server::shell::Args),
+    /// Write the golden packet sessions and the traces that are expected of them again.
+    DemoSessions(crate::demo_server::shell::SessionArgs),
+    /// Log in to a server without a screen and do what a script says.
+    Play(crate::play::shell::Args),
 }
 
 #[derive(clap::Args)]
@@ -143,6 +149,9 @@ fn run(command: Command) -> Result<u8, RecordError> {
         Command::Recover(args) => recover(&args.input, &args.output)?,
         Command::Import(args) => (import_capture(&args)?, 0),
         Command::Redact(args) => (copy(&read(&args.input)?, &args.output)?, 0),
+        Command::DemoServer(args) => (crate::demo_server::shell::run(&args)?, 0),
+        Command::DemoSessions(args) => (crate::demo_server::shell::write_sessions(&args)?, 0),
+        Command::Play(args) => (crate::play::shell::run(&args)?, 0),
     };
     // A reader that has seen enough (`| head`) is no error.
     let _ = std::io::stdout().lock().write_all(text.as_bytes());

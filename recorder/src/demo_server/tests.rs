@@ -39,11 +39,14 @@ fn print_sizes() {
 
 #[test]
 fn debug_teleport() {
-    let golden = SESSIONS[1];
+    let golden = SESSIONS[std::env::var("N").unwrap().parse::<usize>().unwrap()];
     let mut session = golden.start().expect("a session");
     while !session.is_over() {
         let done: Result<(), core::convert::Infallible> = session.step(|_, _, _, _| Ok(()));
         let Ok(()) = done;
+        for (t, h) in session.happenings.drain(..) {
+            if let Happening::Message(m, v) = h { eprintln!("{t:.2} {} {v:?}", m.name()); }
+        }
         if let Some(s) = session.sample() {
             eprintln!("{:.2} client {:08X} {:?} server {:08X} {:?}", s.time, s.client.cell.0, s.client.frame.origin, s.server.cell.0, s.server.frame.origin);
         }

@@ -6,6 +6,7 @@ use ac_client::dat::DatSet;
 use ac_client::frame::state::Fields;
 use ac_client::frame::{FrameState, FrameStates, NoHost, NoProbe, Pipeline};
 use ac_client::math::Position;
+use ac_client::motion::{Command, RawMotionState};
 use ac_client::net::entities::Notice;
 use ac_client::net::messages::common::WirePosition;
 use ac_client::net::messages::{ClientMessage, GameAction};
@@ -168,6 +169,12 @@ impl PacketRun {
         match action {
             GameAction::LoginComplete(()) => self.stage.entities.leave_portal_space(),
             GameAction::AutonomousPosition(report) => self.compare(&report.position, frame, id),
+            // While the server moves the player only a key that is pressed takes over; on arrival from portal space the resting state is sent.
+            GameAction::MoveToState(report)
+                if self.controlled_by_server && is_at_rest(report.state.state()) =>
+            {
+                self.compare(&report.position, frame, id);
+            }
             GameAction::MoveToState(report) => {
                 self.take_control(id);
                 let last_action = &mut self.last_action;
@@ -235,6 +242,14 @@ impl PacketRun {
             }
         }
     }
+}
+
+/// Nothing is wanted.
+fn is_at_rest(state: &RawMotionState) -> bool {
+    state.forward.command == Command::READY
+        && state.sidestep.command == Command::NONE
+        && state.turn.command == Command::NONE
+        && state.actions.is_empty()
 }
 
 /// The record of an entity that has not been described.
