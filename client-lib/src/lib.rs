@@ -13,4 +13,5 @@ pub mod motion;
 pub mod net;
 pub mod physics;
 pub mod profile;
+pub mod snapshot;
 pub mod world;

@@ -630,7 +630,7 @@ profile! {
     /// Undo of combine.
     undo_combine: UndoCombine = [UndoCombine::Inverse, UndoCombine::OriginByB, UndoCombine::SignSlip] "01:F5 N-03 N-04";
     /// The frame relative to another position mutates its input and takes `undo_combine`.
-    /// Only interpolation asks for such a frame, and in `ace` it does not get that far (`O-38`): no code reads this yet.
+    /// Only interpolation asks for such a frame, and in `ace` it does not get that far (`O-38`): the switch shows only where interpolation works.
     relative_mutates: bool = [false, true, false] "01:F6";
     /// Unmoved test and position equality.
     unmoved: Unmoved = [Unmoved::Strict, Unmoved::Inclusive, Unmoved::Strict] "01:F7 01:P1 T-18 O-05";

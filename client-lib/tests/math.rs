@@ -75,6 +75,27 @@ fn adjust_to_outside_gives_the_cells_of_the_table() {
     }
 }
 
+/// `04:A6`: with a block off the map on either side, different from the other, one reference throws.
+#[test]
+fn offsets_off_the_map_by_profile() {
+    let cases = [
+        (0xFFF6_0013, 0xFE78_003E, true),
+        (0xA4FF_003E, 0xFDE9_0020, true),
+        (0xA9B4_0001, 0xFFB4_0001, true),
+        (0xFFFF_0001, 0xFFFF_0100, false),
+        (0, 0xFEFE_0001, false),
+        (0xFE00_0001, 0x00FE_0001, false),
+    ];
+    for (from, to, throws) in cases {
+        let (from, to) = (CellId(from), CellId(to));
+        let plain = Some(block_offset(from, to));
+        assert_eq!(from.block_offset_to(to, &RETAIL), plain);
+        assert_eq!(from.block_offset_to(to, &Profile::gdle()), plain);
+        let ace = from.block_offset_to(to, &Profile::ace());
+        assert_eq!(ace, plain.filter(|_| !throws), "{from} {to}");
+    }
+}
+
 #[test]
 fn offsets_of_the_table() {
     let offset = |a, b| block_offset(CellId(a), CellId(b));
@@ -186,6 +207,31 @@ proptest! {
         let shift = block_offset(id, cell) + moved - at;
         prop_assert!(shift.abs().max_element() <= vector::EPSILON + 2e-4);
         prop_assert_eq!(cell.adjust_to_outside(moved, &RETAIL), (cell, moved));
+    }
+
+    /// `spec/04`, 6 item 2: merging is growing by both corners, and a box merged into nothing is itself.
+    #[test]
+    fn merged_boxes_hold_both(
+        a in prop::array::uniform6(-50.0f32..50.0), b in prop::array::uniform6(-50.0f32..50.0),
+    ) {
+        let boxed = |v: [f32; 6]| {
+            let (p, q) = (Vec3::new(v[0], v[1], v[2]), Vec3::new(v[3], v[4], v[5]));
+            BoundingBox { min: p.min(q), max: p.max(q) }
+        };
+        let (a, b) = (boxed(a), boxed(b));
+        let (mut merged, mut grown) = (b, b);
+        a.merge_into(&mut merged);
+        grown.adjust(a.min);
+        grown.adjust(a.max);
+        prop_assert_eq!(merged, grown);
+        prop_assert!(merged.corners().iter().all(|&c| merged.contains(c)));
+        prop_assert!(a.corners().iter().chain(&b.corners()).all(|&c| merged.contains(c)));
+        let mut nothing = BoundingBox::EMPTY;
+        a.merge_into(&mut nothing);
+        prop_assert_eq!(nothing, a);
+        let mut unchanged = a;
+        BoundingBox { min: Vec3::NAN, max: Vec3::NAN }.merge_into(&mut unchanged);
+        prop_assert_eq!(unchanged, a);
     }
 
     #[test]

@@ -1,7 +1,11 @@
 //! `docs/status.md`: what matches how well, from measurements only.
 
+mod numerics;
+mod plans;
+mod recorder;
 mod sensitivity;
 mod speed;
+mod tools;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -9,7 +13,11 @@ use std::{
     time::Duration,
 };
 
+pub use numerics::{Numerics, numerics_in};
+pub use plans::{PlanCost, plan_costs};
+pub use recorder::RecorderNumbers;
 pub use speed::{Bench, Cost, benches_in, costs, machine};
+pub use tools::{Tools, tools_in};
 
 use crate::{
     run::{Mode, RunResult, StageCount, sensitivity::SceneSensitivity},
@@ -41,8 +49,16 @@ pub struct Measurements {
     pub threads: usize,
     /// Costs of a tick.
     pub costs: Vec<Cost>,
+    /// Stability and precision.
+    pub numerics: Numerics,
+    /// What plans save.
+    pub plans: Vec<PlanCost>,
+    /// What relaying and killing the recorder costs.
+    pub recorder: RecorderNumbers,
     /// Benchmarks that have been run.
     pub benches: Vec<Bench>,
+    /// Bisections and shrinkings that were tried.
+    pub tools: Tools,
 }
 
 /// The page.
@@ -63,7 +79,11 @@ pub fn page(measured: &Measurements) -> String {
     stages(&mut text, &measured.runs);
     retail(&mut text, &measured.retail);
     sensitivity::section(&mut text, &measured.sensitivity);
+    numerics::section(&mut text, &measured.numerics);
+    plans::section(&mut text, &measured.plans);
     speed::section(&mut text, &measured.benches, &measured.costs);
+    tools::section(&mut text, &measured.tools);
+    recorder::section(&mut text, &measured.recorder);
     text
 }
 

@@ -5,12 +5,14 @@
 //! - [`expect`]: the JSON Lines files of the oracles.
 //! - [`trace`]: the trace files.
 //! - [`import`]: makes them of scenes and JSON Lines files.
+//! - [`pictures`]: the same as pictures for viewers.
 //! - [`corpus`]: where all of these lie on disk.
 
 pub mod corpus;
 pub mod expect;
 pub mod import;
 pub mod number;
+pub mod pictures;
 pub mod record;
 pub mod scene;
 pub mod trace;

@@ -14,6 +14,10 @@ pub struct RecordedMessage {
     pub stream: Stream,
     /// Arrival of that datagram, ns since 1970.
     pub time: u64,
+    /// Queue of its first fragment (`spec/09`, 8.4).
+    pub queue: u16,
+    /// Numbers of the datagrams with its fragments, in order of arrival.
+    pub datagrams: Vec<u32>,
     /// Opcode and body, redacted.
     pub bytes: Vec<u8>,
 }
@@ -30,6 +34,8 @@ impl RecordedMessage {
 pub enum Finding {
     /// Its checksum is right, or depends on a key.
     Good,
+    /// A copy of a packet that was there already; its fragments are left out.
+    Repeated,
     /// Its checksum is wrong.
     Checksum,
     /// It is no packet.
@@ -38,11 +44,51 @@ pub enum Finding {
     Message(String),
 }
 
+/// Sequences of packets that are remembered for each direction of a client.
+const REMEMBERED: usize = 1 << 16;
+/// Partial messages whose datagrams are remembered: as many as a reassembler keeps.
+const PARTIAL: usize = 64;
+
 /// One direction between one client and the server.
 #[derive(Default)]
 struct Line {
     reassembler: Reassembler,
     seen: BTreeSet<u32>,
+    /// Datagrams of messages that are not complete, oldest first.
+    partial: Vec<(u64, Vec<u32>)>,
+}
+
+impl Line {
+    /// Whether a sequence is new. The lowest ones are forgotten first.
+    fn is_new(&mut self, sequence: u32) -> bool {
+        let new = self.seen.insert(sequence);
+        if self.seen.len() > REMEMBERED {
+            self.seen.pop_first();
+        }
+        new
+    }
+
+    /// Datagrams of a fragment's message so far, this one included; all of them when the message is complete.
+    fn datagrams(&mut self, blob: u64, number: u32, complete: bool) -> Vec<u32> {
+        let known = self.partial.iter().position(|(b, _)| *b == blob);
+        match (known, complete) {
+            (Some(at), true) => {
+                let mut all = self.partial.remove(at).1;
+                all.push(number);
+                all.dedup();
+                return all;
+            }
+            (Some(at), false) => self.partial[at].1.push(number),
+            (None, true) => return vec![number],
+            (None, false) => {
+                if self.partial.len() >= PARTIAL {
+                    self.partial.remove(0);
+                }
+                self.partial.push((blob, vec![number]));
+            }
+        }
+        Vec::new()
+    }
 }
 
 /// Follows all lines of a recording, datagram by datagram.
@@ -57,45 +103,77 @@ impl Decoder {
         Self::default()
     }
 
-    /// Takes the next datagram; complete messages are appended to `out`. Fragments of a packet that was there already are left out.
+    /// Forgets a client.
+    pub fn forget(&mut self, client: u32) {
+        self.lines.remove(&(client, true));
+        self.lines.remove(&(client, false));
+    }
+
+    /// Takes the next datagram; complete messages are appended to `out` and read to the end, to say whether they can be. Fragments of a packet
+    /// that was there already are left out.
     pub fn take(&mut self, recorded: &RecordedPacket, out: &mut Vec<RecordedMessage>) -> Finding {
-        let packet = match Packet::parse(&recorded.bytes) {
+        let before = out.len();
+        let finding = self.take_bytes(
+            recorded.stream,
+            recorded.number,
+            recorded.time,
+            &recorded.bytes,
+            out,
+        );
+        let checks = out[before..]
+            .iter()
+            .map(|m| messages::check(&m.bytes, m.stream.direction()));
+        match checks.filter_map(Result::err).last() {
+            Some(error) => Finding::Message(error.to_string()),
+            None => finding,
+        }
+    }
+
+    /// As [`take`](Self::take), without reading the messages.
+    pub fn take_bytes(
+        &mut self,
+        stream: Stream,
+        number: u32,
+        time: u64,
+        bytes: &[u8],
+        out: &mut Vec<RecordedMessage>,
+    ) -> Finding {
+        let packet = match Packet::parse(bytes) {
             Ok(packet) => packet,
             Err(error) => return Finding::Malformed(error),
         };
         if packet.verify() == Verified::Wrong {
             return Finding::Checksum;
         }
-        let stream = recorded.stream;
         if packet.header.flags.contains(PacketFlags::LOGIN_REQUEST) {
             // A new session of the same client: numbers start again.
-            self.lines.remove(&(stream.client, true));
-            self.lines.remove(&(stream.client, false));
+            self.forget(stream.client);
         }
         let line = self
             .lines
             .entry((stream.client, stream.to_server))
             .or_default();
-        let repeated = packet.is_numbered() && !line.seen.insert(packet.header.sequence);
-        if repeated {
-            return Finding::Good;
+        if packet.is_numbered() && !line.is_new(packet.header.sequence) {
+            return Finding::Repeated;
         }
-        let mut finding = Finding::Good;
         for fragment in packet.fragments() {
-            let seconds = recorded.time as f64 / 1e9;
-            let Ok(Some(message)) = line.reassembler.push(&fragment, seconds) else {
+            let seconds = time as f64 / 1e9;
+            let header = fragment.header;
+            let Ok(message) = line.reassembler.push(&fragment, seconds) else {
                 continue;
             };
-            if let Err(error) = messages::check(&message.bytes, stream.direction()) {
-                finding = Finding::Message(error.to_string());
+            let datagrams = line.datagrams(header.blob_id(), number, message.is_some());
+            if let Some(message) = message {
+                out.push(RecordedMessage {
+                    stream,
+                    time,
+                    queue: message.queue.0,
+                    datagrams,
+                    bytes: message.bytes,
+                });
             }
-            out.push(RecordedMessage {
-                stream,
-                time: recorded.time,
-                bytes: message.bytes,
-            });
         }
-        finding
+        Finding::Good
     }
 }
 

@@ -27,6 +27,13 @@ pub enum RecordError {
         /// The file.
         path: PathBuf,
     },
+    /// The file ends before its metadata: the program that wrote it was ended right at the start.
+    #[error("{}: the file ends before the recording starts", path.display())]
+    #[diagnostic(help("nothing was recorded; `ac-record recover` makes an empty recording of it"))]
+    NotStarted {
+        /// The file.
+        path: PathBuf,
+    },
     /// The file's format is newer than this program.
     #[error("{}: format {found}, this program reads format {}", path.display(), crate::format::VERSION)]
     #[diagnostic(help("use a newer ac-record"))]

@@ -108,7 +108,8 @@ impl<T: Clone> FaultLink<T> {
         self.counts.sent += 1;
         // Every datagram draws the same numbers, whatever happens to it.
         let f = self.faults;
-        let draws: [bool; 4] = [f.loss, f.duplicate, f.reorder, f.corrupt].map(|p| self.random.chance(p));
+        let draws: [bool; 4] =
+            [f.loss, f.duplicate, f.reorder, f.corrupt].map(|p| self.random.chance(p));
         let [lost, twice, late, bad] = draws;
         let extra = self.random.unit() * f.jitter;
         let damage = self.random.next();
@@ -136,7 +137,8 @@ impl<T: Clone> FaultLink<T> {
     fn put(&mut self, at: f64, way: T, bytes: Vec<u8>) {
         self.order += 1;
         let nanoseconds = (at.max(0.0) * 1e9).round() as u64;
-        self.under_way.insert((nanoseconds, self.order), (way, bytes));
+        self.under_way
+            .insert((nanoseconds, self.order), (way, bytes));
     }
 
     /// The next datagram that arrives up to `now` (s): when, in nanoseconds, which way, and what.
@@ -242,11 +244,24 @@ mod tests {
     #[test]
     fn a_good_link_only_takes_time() {
         let (got, counts) = run(Faults::delay(0.5), 1);
-        assert_eq!(counts, FaultCounts { sent: 1000, ..FaultCounts::default() });
+        assert_eq!(
+            counts,
+            FaultCounts {
+                sent: 1000,
+                ..FaultCounts::default()
+            }
+        );
         assert!(got.iter().enumerate().all(|(i, (_, n))| i as u32 == *n));
         assert_eq!(got[0].0, 500_000_000);
         assert_eq!(BAD.invalid(), None);
-        assert_eq!(Faults { loss: f64::NAN, ..BAD }.invalid(), Some("loss"));
+        assert_eq!(
+            Faults {
+                loss: f64::NAN,
+                ..BAD
+            }
+            .invalid(),
+            Some("loss")
+        );
         assert_eq!(Faults { delay: -1.0, ..BAD }.invalid(), Some("delay"));
     }
 }

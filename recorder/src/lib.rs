@@ -4,12 +4,22 @@
 //! anything reaches the disk; lengths, sequences and key words stay, so a recording still verifies.
 
 pub mod cli;
+pub mod clock;
+pub mod counters;
 pub mod decode;
 pub mod demo_server;
+pub mod disk;
 pub mod error;
 pub mod fault;
 pub mod format;
+pub mod measure;
 pub mod pcap;
+pub mod pictures;
 pub mod play;
+pub mod progress;
 pub mod proxy;
 pub mod relay;
+pub mod scan;
+pub mod secrets;
+pub mod sockets;
+pub mod stats;

@@ -1,24 +1,26 @@
-//! The proxy: sockets, clock and file around the [`Relay`].
+//! The proxy: sockets and clock around the [`Relay`], and the [`Disk`] behind it.
 //!
-//! Passing datagrams on comes first: a datagram is sent before it is recorded, and a refused send does not end the proxy.
+//! Passing datagrams on comes first: each socket has a task of its own that receives, sends, and only then hands a copy to the writer's
+//! queue. Nothing in that path waits for the disk, and a refused send does not end the proxy.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::BufWriter;
 use std::net::SocketAddr;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use ac_client::net::messages::Direction;
 use ac_client::net::session::Port;
 use tokio::net::UdpSocket;
-use tokio::sync::mpsc;
-use tokio::task::JoinHandle;
+use tokio::task::{AbortHandle, JoinSet};
 
+use crate::clock::Clock;
+use crate::counters::{Counters, Counts, add};
+use crate::disk::{Disk, DiskConfig, DiskReport, Files, Storage};
 use crate::error::RecordError;
-use crate::format::{RecordingWriter, Stream};
-use crate::relay::{ClientNumber, Relay, RelayLimits, next_port};
+use crate::format::Stream;
+use crate::relay::{ClientNumber, FromClient, FromServer, Relay, RelayLimits, ToServer, next_port};
+use crate::sockets::{self, Drops};
 
 /// What a proxy is started with.
 #[derive(Debug, Clone)]
@@ -27,79 +29,64 @@ pub struct ProxyConfig {
     pub listen: SocketAddr,
     /// Login port of the server.
     pub server: SocketAddr,
-    /// The file.
-    pub output: PathBuf,
     /// Bounds.
     pub limits: RelayLimits,
+    /// Where and how it is recorded.
+    pub disk: DiskConfig,
+}
+
+impl ProxyConfig {
+    /// The usual set-up.
+    pub fn new(listen: SocketAddr, server: SocketAddr, output: PathBuf) -> Self {
+        Self {
+            listen,
+            server,
+            limits: RelayLimits::default(),
+            disk: DiskConfig::new(output),
+        }
+    }
 }
 
 /// What a proxy did.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Default)]
 pub struct ProxyReport {
-    /// Datagrams recorded.
-    pub packets: u32,
-    /// Secret bytes overwritten.
-    pub redacted: usize,
+    /// Final counters.
+    pub counts: Counts,
+    /// What was written.
+    pub disk: DiskReport,
 }
 
-/// Longest time between a datagram's arrival and its being on the disk.
-const FLUSH: Duration = Duration::from_millis(500);
-/// Datagrams of the server that wait to be passed on.
-const BACKLOG: usize = 1024;
 /// Largest datagram of UDP.
 const LARGEST: usize = 65_535;
+/// Time between looks at clients that are silent and at losses.
+const TICK: Duration = Duration::from_secs(1);
 
-struct Clock {
-    start: Instant,
-    epoch: u64,
-}
-
-impl Clock {
-    fn new() -> Self {
-        let epoch = SystemTime::now()
-            .duration_since(UNIX_EPOCH)
-            .unwrap_or_default();
-        Self {
-            start: Instant::now(),
-            epoch: epoch.as_nanos() as u64,
-        }
-    }
-
-    /// Seconds since the start.
-    fn now(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
-    }
-
-    /// ns since 1970; steps of the system's clock do not show.
-    fn stamp(&self) -> u64 {
-        self.epoch + self.start.elapsed().as_nanos() as u64
-    }
-}
-
-struct Upstream {
+struct Link {
     socket: Arc<UdpSocket>,
-    reader: JoinHandle<()>,
+    reader: AbortHandle,
 }
 
-/// A datagram of the server: whose, from where, and its bytes.
-type Answer = (ClientNumber, SocketAddr, Vec<u8>);
+/// What changes with every datagram. Held for lookups only, never while something is sent.
+struct Routes {
+    relay: Relay,
+    links: BTreeMap<ClientNumber, Link>,
+    readers: JoinSet<()>,
+}
+
+struct Shared {
+    login: UdpSocket,
+    next: UdpSocket,
+    server: SocketAddr,
+    routes: Mutex<Routes>,
+    disk: Disk,
+    counters: Arc<Counters>,
+    clock: Clock,
+    drops: Mutex<Drops>,
+}
 
 /// A proxy whose sockets are open.
 pub struct Proxy {
-    login: UdpSocket,
-    next: UdpSocket,
-    relay: Relay,
-    upstreams: BTreeMap<ClientNumber, Upstream>,
-    answers: (mpsc::Sender<Answer>, mpsc::Receiver<Answer>),
-    writer: RecordingWriter<BufWriter<File>>,
-    server: SocketAddr,
-    clock: Clock,
-}
-
-async fn bind(address: SocketAddr) -> Result<UdpSocket, RecordError> {
-    UdpSocket::bind(address)
-        .await
-        .map_err(|source| RecordError::Socket { address, source })
+    shared: Arc<Shared>,
 }
 
 fn no_next(address: SocketAddr) -> RecordError {
@@ -110,147 +97,314 @@ fn no_next(address: SocketAddr) -> RecordError {
 }
 
 impl Proxy {
-    /// Opens the sockets and starts the file.
+    /// Opens the sockets and starts the file. Must be called on a tokio runtime.
     ///
     /// # Errors
     /// A socket or the file cannot be opened.
-    pub async fn open(config: &ProxyConfig) -> Result<Self, RecordError> {
+    pub fn open(config: &ProxyConfig) -> Result<Self, RecordError> {
+        Self::open_on(config, Box::new(Files))
+    }
+
+    /// As [`open`](Self::open), on a storage other than the file system.
+    ///
+    /// # Errors
+    /// A socket or the file cannot be opened.
+    pub fn open_on(config: &ProxyConfig, storage: Box<dyn Storage>) -> Result<Self, RecordError> {
         let next = next_port(config.listen).ok_or_else(|| no_next(config.listen))?;
         let relay =
             Relay::new(config.server, config.limits).ok_or_else(|| no_next(config.server))?;
-        let (login, next) = (bind(config.listen).await?, bind(next).await?);
-        let file = File::create_new(&config.output).map_err(|source| RecordError::File {
-            path: config.output.clone(),
-            source,
-        })?;
+        let (login, next) = (sockets::bind(config.listen)?, sockets::bind(next)?);
+        let (clock, counters) = (Clock::new(), Arc::<Counters>::default());
+        let mut drops = Drops::default();
+        drops.watch(&login);
+        drops.watch(&next);
+        let disk = Disk::start(config.disk.clone(), storage, clock, counters.clone())?;
         Ok(Self {
-            login,
-            next,
-            relay,
-            upstreams: BTreeMap::new(),
-            answers: mpsc::channel(BACKLOG),
-            writer: RecordingWriter::new(BufWriter::new(file))?,
-            server: config.server,
-            clock: Clock::new(),
+            shared: Arc::new(Shared {
+                login,
+                next,
+                server: config.server,
+                routes: Mutex::new(Routes {
+                    relay,
+                    links: BTreeMap::new(),
+                    readers: JoinSet::new(),
+                }),
+                disk,
+                counters,
+                clock,
+                drops: Mutex::new(drops),
+            }),
         })
     }
 
+    /// Counters, to look at while the proxy runs.
+    pub fn counters(&self) -> Arc<Counters> {
+        self.shared.counters.clone()
+    }
+
     /// Passes datagrams on and records them until `stop` is done; then ends the file.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub async fn run(mut self, stop: impl Future<Output = ()>) -> Result<ProxyReport, RecordError> {
-        tokio::pin!(stop);
-        let mut flush = tokio::time::interval(FLUSH);
-        let (mut a, mut b) = (vec![0; LARGEST], vec![0; LARGEST]);
+    pub async fn run(self, stop: impl Future<Output = ()>) -> ProxyReport {
+        let mut tasks = JoinSet::new();
+        for port in [Port::Login, Port::Next] {
+            let shared = self.shared.clone();
+            tasks.spawn(async move { shared.serve(port).await });
+        }
+        let watcher = self.shared.clone();
+        tasks.spawn(async move { watcher.watch().await });
+        stop.await;
+        tasks.shutdown().await;
+        let readers = std::mem::take(&mut self.shared.routes().readers);
+        { readers }.shutdown().await;
+        self.shared.look_for_drops();
+        finish(self.shared).await
+    }
+}
+
+/// Ends the file, on another thread: it may take a while.
+async fn finish(shared: Arc<Shared>) -> ProxyReport {
+    let ended = tokio::task::spawn_blocking(move || {
+        let mut shared = shared;
+        // All tasks have ended; only a look at the system's tables may take a moment more.
+        let shared = loop {
+            match Arc::try_unwrap(shared) {
+                Ok(shared) => break shared,
+                Err(shared_still) => shared = shared_still,
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        };
+        let disk = shared.disk.finish();
+        ProxyReport {
+            counts: shared.counters.counts(),
+            disk,
+        }
+    });
+    ended.await.unwrap_or_default()
+}
+
+impl Shared {
+    fn routes(&self) -> MutexGuard<'_, Routes> {
+        self.routes.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    const fn socket(&self, port: Port) -> &UdpSocket {
+        match port {
+            Port::Login => &self.login,
+            Port::Next => &self.next,
+        }
+    }
+
+    /// Receives what clients send to one of the two ports.
+    async fn serve(self: Arc<Self>, port: Port) {
+        let mut buffer = vec![0; LARGEST];
         loop {
-            tokio::select! {
-                () = &mut stop => break,
-                _ = flush.tick() => self.tick()?,
-                received = self.login.recv_from(&mut a) => {
-                    if let Ok((n, from)) = received {
-                        self.pass_to_server(Port::Login, from, &a[..n]).await?;
-                    }
-                }
-                received = self.next.recv_from(&mut b) => {
-                    if let Ok((n, from)) = received {
-                        self.pass_to_server(Port::Next, from, &b[..n]).await?;
-                    }
-                }
-                Some((client, from, bytes)) = self.answers.1.recv() => {
-                    self.pass_to_client(client, from, &bytes).await?;
-                }
+            match self.socket(port).recv_from(&mut buffer).await {
+                Ok((n, from)) => self.from_client(port, from, &buffer[..n]).await,
+                // Some systems report an unreachable client here.
+                Err(_) => tokio::time::sleep(Duration::from_millis(1)).await,
             }
         }
-        for upstream in self.upstreams.values() {
-            upstream.reader.abort();
-        }
-        let (packets, redacted) = self.writer.totals();
-        self.writer.finish()?;
-        Ok(ProxyReport { packets, redacted })
     }
 
-    fn tick(&mut self) -> Result<(), RecordError> {
-        for client in self.relay.expire(self.clock.now()) {
-            if let Some(upstream) = self.upstreams.remove(&client) {
-                upstream.reader.abort();
+    async fn from_client(self: &Arc<Self>, port: Port, from: SocketAddr, bytes: &[u8]) {
+        let received = self.clock.stamp();
+        add(&self.counters.from_clients, 1);
+        let Some((route, socket)) = self.route_client(port, from, bytes) else {
+            return;
+        };
+        let forwarded = match socket {
+            Some(socket) => self.send(&socket, route.to, bytes).await,
+            None => None,
+        };
+        if forwarded.is_some() {
+            add(&self.counters.to_server, 1);
+        }
+        let stream = Stream::new(route.client, Direction::ToServer, port);
+        self.disk.record(stream, received, forwarded, bytes);
+        for (port, held) in &route.released {
+            if self.send(self.socket(*port), from, held).await.is_some() {
+                add(&self.counters.to_clients, 1);
             }
-            tracing::info!(client, "silent for too long, forgotten");
         }
-        self.writer.flush()
     }
 
-    async fn pass_to_server(
-        &mut self,
+    /// Where a client's datagram goes, and through which socket; none when none could be opened.
+    fn route_client(
+        self: &Arc<Self>,
         port: Port,
         from: SocketAddr,
         bytes: &[u8],
-    ) -> Result<(), RecordError> {
-        let Some(route) = self.relay.route_client(from, port, self.clock.now()) else {
-            tracing::warn!(%from, "too many clients");
-            return Ok(());
+    ) -> Option<(ToServer, Option<Arc<UdpSocket>>)> {
+        let mut routes = self.routes();
+        let answer = routes
+            .relay
+            .route_client(from, port, bytes, self.clock.now());
+        let route = match answer {
+            FromClient::Pass(route) => route,
+            FromClient::Refused => {
+                add(&self.counters.refused, 1);
+                return None;
+            }
+            FromClient::Full => {
+                add(&self.counters.too_many_clients, 1);
+                return None;
+            }
         };
+        if let Some(evicted) = route.evicted {
+            self.disconnect(&mut routes, evicted);
+        }
         if route.is_new {
             tracing::info!(client = route.client, "new client");
-            self.connect(route.client).await?;
+            if let Err(error) = self.connect(&mut routes, route.client) {
+                tracing::error!(%error, "no socket for this client");
+            }
         }
-        if let Some(upstream) = self.upstreams.get(&route.client)
-            && let Err(error) = upstream.socket.send_to(bytes, route.to).await
-        {
-            tracing::warn!(%error, "not sent to the server");
-        }
-        let stream = Stream::new(route.client, Direction::ToServer, port);
-        self.writer.write(stream, self.clock.stamp(), bytes)
+        let socket = routes.links.get(&route.client).map(|l| l.socket.clone());
+        Some((route, socket))
     }
 
-    async fn pass_to_client(
-        &mut self,
+    /// Sends, and says when; `None` when the system refused.
+    async fn send(&self, socket: &UdpSocket, to: SocketAddr, bytes: &[u8]) -> Option<u64> {
+        match socket.send_to(bytes, to).await {
+            Ok(_) => Some(self.clock.stamp()),
+            Err(_) => {
+                add(&self.counters.not_sent, 1);
+                None
+            }
+        }
+    }
+
+    /// Opens a client's socket towards the server, and starts to receive from it.
+    fn connect(
+        self: &Arc<Self>,
+        routes: &mut Routes,
         client: ClientNumber,
-        from: SocketAddr,
-        bytes: &[u8],
     ) -> Result<(), RecordError> {
-        let Some(route) = self.relay.route_server(client, from, self.clock.now()) else {
-            return Ok(());
-        };
-        let socket = match route.port {
-            Port::Login => &self.login,
-            Port::Next => &self.next,
-        };
-        if let Err(error) = socket.send_to(bytes, route.to).await {
-            tracing::warn!(%error, "not sent to the client");
-        }
-        let stream = Stream::new(client, Direction::ToClient, route.port);
-        self.writer.write(stream, self.clock.stamp(), bytes)
-    }
-
-    /// Opens a client's socket towards the server.
-    async fn connect(&mut self, client: ClientNumber) -> Result<(), RecordError> {
         let any: SocketAddr = match self.server {
             SocketAddr::V4(s) if s.ip().is_loopback() => ([127, 0, 0, 1], 0).into(),
             SocketAddr::V4(_) => ([0, 0, 0, 0], 0).into(),
             SocketAddr::V6(_) => ([0u16; 8], 0).into(),
         };
-        let socket = Arc::new(bind(any).await?);
-        let (answers, own) = (self.answers.0.clone(), Arc::clone(&socket));
-        let reader = tokio::spawn(async move {
+        let socket = Arc::new(sockets::bind(any)?);
+        self.drops().watch(&socket);
+        let (shared, own) = (self.clone(), socket.clone());
+        let reader = routes.readers.spawn(async move {
             let mut buffer = vec![0; LARGEST];
             loop {
-                // Some systems report an unreachable port here; the server may come back.
-                let Ok((n, from)) = own.recv_from(&mut buffer).await else {
-                    tokio::time::sleep(Duration::from_millis(50)).await;
-                    continue;
-                };
-                if answers
-                    .send((client, from, buffer[..n].to_vec()))
-                    .await
-                    .is_err()
-                {
-                    return;
+                match own.recv_from(&mut buffer).await {
+                    Ok((n, from)) => shared.from_server(client, from, &buffer[..n]).await,
+                    // Some systems report an unreachable port here; the server may come back.
+                    Err(_) => tokio::time::sleep(Duration::from_millis(50)).await,
                 }
             }
         });
-        self.upstreams.insert(client, Upstream { socket, reader });
+        routes.links.insert(client, Link { socket, reader });
         Ok(())
+    }
+
+    async fn from_server(&self, client: ClientNumber, from: SocketAddr, bytes: &[u8]) {
+        let received = self.clock.stamp();
+        add(&self.counters.from_server, 1);
+        let answer = {
+            let mut routes = self.routes();
+            routes
+                .relay
+                .route_server(client, from, bytes, self.clock.now())
+        };
+        let (port, forwarded) = match answer {
+            FromServer::Pass(route) => {
+                let sent = self.send(self.socket(route.port), route.to, bytes).await;
+                add(&self.counters.to_clients, u64::from(sent.is_some()));
+                (route.port, sent)
+            }
+            FromServer::Held(port) => {
+                add(&self.counters.held, 1);
+                (port, None)
+            }
+            FromServer::Dropped(port) => {
+                add(&self.counters.held, 1);
+                add(&self.counters.held_dropped, 1);
+                (port, None)
+            }
+            FromServer::Stranger => {
+                add(&self.counters.strangers, 1);
+                return;
+            }
+        };
+        let stream = Stream::new(client, Direction::ToClient, port);
+        self.disk.record(stream, received, forwarded, bytes);
+    }
+
+    fn disconnect(&self, routes: &mut Routes, client: ClientNumber) {
+        if let Some(link) = routes.links.remove(&client) {
+            link.reader.abort();
+        }
+        self.disk.forget(client);
+    }
+
+    fn drops(&self) -> MutexGuard<'_, Drops> {
+        self.drops.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Datagrams that the system dropped before this program saw them.
+    fn look_for_drops(&self) {
+        let new = self.drops().new_ones();
+        add(&self.counters.system_dropped, new);
+    }
+
+    /// Forgets silent clients, and says loudly what is lost.
+    async fn watch(self: Arc<Self>) {
+        let mut tick = tokio::time::interval(TICK);
+        let mut said = Counts::default();
+        loop {
+            tick.tick().await;
+            self.expire();
+            let own = self.clone();
+            // Reads a table of the system, which may be long.
+            let _ = tokio::task::spawn_blocking(move || own.look_for_drops()).await;
+            let now = self.counters.counts();
+            complain(&said, &now);
+            said = now;
+        }
+    }
+
+    fn expire(&self) {
+        let mut routes = self.routes();
+        for client in routes.relay.expire(self.clock.now()) {
+            self.disconnect(&mut routes, client);
+            tracing::info!(client, "silent for too long, forgotten");
+        }
+        while routes.readers.try_join_next().is_some() {}
+    }
+}
+
+/// Says what was lost since the last time.
+fn complain(before: &Counts, now: &Counts) {
+    let slow = now.unwritten_slow - before.unwritten_slow;
+    if slow > 0 {
+        tracing::error!(
+            datagrams = slow,
+            in_all = now.unwritten_slow,
+            "NOT RECORDED: the disk is too slow. Datagrams are still passed on"
+        );
+    }
+    let failed = now.unwritten_failed - before.unwritten_failed;
+    if failed > 0 {
+        tracing::error!(
+            datagrams = failed,
+            in_all = now.unwritten_failed,
+            "NOT RECORDED: the file cannot be written. Datagrams are still passed on"
+        );
+    }
+    let dropped = now.system_dropped - before.system_dropped;
+    if dropped > 0 {
+        tracing::warn!(
+            datagrams = dropped,
+            "LOST: the system dropped datagrams because this program was not fast enough"
+        );
+    }
+    let full = now.too_many_clients - before.too_many_clients;
+    if full > 0 {
+        tracing::warn!(logins = full, "too many clients; see --max-clients");
     }
 }
 

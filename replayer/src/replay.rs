@@ -1,6 +1,10 @@
-//! Runs a scene from its first to its last frame and writes the states as a trace.
+//! Runs a scene, or some of its frames, and writes the states as a trace.
 
-use std::io::{Seek, Write};
+use std::{
+    io::{Seek, Write},
+    num::NonZeroU32,
+    ops::RangeInclusive,
+};
 
 use ac_client::frame::FrameStates;
 use ac_golden_traces::{
@@ -9,7 +13,10 @@ use ac_golden_traces::{
     trace::{ChannelHeader, ChannelKind, Compression, TraceInfo, TraceWriter},
 };
 
-use crate::{Simulation, SimulationError};
+use crate::{
+    Simulation, SimulationError,
+    keyframes::{self, Identity, KeyframeError, KeyframeHeader},
+};
 
 /// Why a replay failed.
 #[derive(Debug, thiserror::Error)]
@@ -20,6 +27,9 @@ pub enum ReplayError {
     /// The trace cannot be written.
     #[error("the trace cannot be written")]
     Trace(#[from] mcap::McapError),
+    /// A keyframe cannot be written.
+    #[error(transparent)]
+    Keyframe(#[from] KeyframeError),
     /// The trace cannot be written to the end.
     #[error("the trace cannot be written")]
     Io(#[from] std::io::Error),
@@ -48,23 +58,81 @@ pub fn replay<W: Write + Seek>(
     detail: Detail,
     out: W,
 ) -> Result<u32, ReplayError> {
+    let what = Replay {
+        scene,
+        scene_text,
+        info,
+        detail,
+        frames: -1..=last_frame(scene),
+        keyframes: None,
+    };
+    replay_frames(simulation, &what, out)?;
+    Ok(scene.frame_count())
+}
+
+/// What is replayed, and what of it is written.
+#[derive(Debug, Clone)]
+pub struct Replay<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Text of its file.
+    pub scene_text: &'a [u8],
+    /// What the trace says about itself.
+    pub info: &'a TraceInfo,
+    /// What the trace holds beside the states.
+    pub detail: Detail,
+    /// Which frames it holds; -1 is the state before the first.
+    pub frames: RangeInclusive<i32>,
+    /// Keyframes: how many frames lie between two, and what the run is of.
+    pub keyframes: Option<(NonZeroU32, &'a Identity)>,
+}
+
+/// The last frame of a scene.
+pub fn last_frame(scene: &Scene) -> i32 {
+    // A scene has fewer than 2^31 frames.
+    i32::try_from(scene.frame_count()).unwrap_or(i32::MAX) - 1
+}
+
+/// Runs a simulation from the first to the last of the frames in `what`, before the first of which it stands, and writes a trace of them.
+/// Answers the number of frames written, -1 left out.
+///
+/// # Errors
+/// When the simulation cannot go on or writing fails.
+pub fn replay_frames<W: Write + Seek>(
+    simulation: &mut dyn Simulation,
+    what: &Replay<'_>,
+    out: W,
+) -> Result<u32, ReplayError> {
+    let Replay {
+        scene,
+        scene_text,
+        info,
+        detail,
+        frames,
+        keyframes,
+    } = what;
+    let (first, last) = (*frames.start(), *frames.end());
     let mut writer = TraceWriter::new(out, info, scene_text, Compression::Fast)?;
     for kind in [ChannelKind::Clock, ChannelKind::Script, ChannelKind::States] {
         writer.add_channel(kind, None)?;
     }
-    if detail == Detail::Checkpoints {
+    if *detail == Detail::Checkpoints {
         let header = checkpoint_header(info);
         writer.add_channel(ChannelKind::Stages(info.profile.clone()), Some(&header))?;
     }
-    let mut states = FrameStates::new();
-    let mut records = Vec::new();
-    simulation.frame_minus_one(&mut states)?;
-    writer.write_states(&ChannelKind::States, -1, scene.start_time, &states)?;
-    for (frame, time) in (0u32..).zip(scene.times()) {
+    let (mut states, mut records) = (FrameStates::new(), Vec::new());
+    if first < 0 {
+        simulation.frame_minus_one(&mut states)?;
+        writer.write_states(&ChannelKind::States, -1, scene.start_time, &states)?;
+    }
+    let times = (0_i32..).zip(scene.times()).take_while(|(f, _)| *f <= last);
+    for (number, time) in times.skip_while(|(frame, _)| *frame < first) {
+        let frame = number.cast_unsigned();
+        if number == first {
+            writer.begin_at(scene, frame, time)?;
+        }
         writer.write_inputs(scene, frame, time)?;
         states.clear();
-        // A scene has fewer than 2^31 frames.
-        let number = i32::try_from(frame).unwrap_or(i32::MAX);
         match detail {
             Detail::States => simulation.step(frame, &mut states)?,
             Detail::Checkpoints => {
@@ -74,9 +142,35 @@ pub fn replay<W: Write + Seek>(
             }
         }
         writer.write_states(&ChannelKind::States, number, time, &states)?;
+        if let Some((every, identity)) = keyframes
+            && (frame + 1).is_multiple_of(every.get())
+        {
+            write_keyframe(&mut writer, simulation, identity, number, time)?;
+        }
     }
     writer.finish()?.flush()?;
-    Ok(scene.frame_count())
+    Ok(last.max(-1).abs_diff(first.max(0) - 1))
+}
+
+fn write_keyframe<W: Write + Seek>(
+    writer: &mut TraceWriter<W>,
+    simulation: &dyn Simulation,
+    identity: &Identity,
+    frame: i32,
+    time: f64,
+) -> Result<(), ReplayError> {
+    let Some(snapshot) = simulation.snapshot()? else {
+        return Ok(());
+    };
+    let header = KeyframeHeader::new(frame, identity, &snapshot);
+    let bytes = keyframes::encode(&header, &snapshot)?;
+    writer.attach(
+        &keyframes::name_of(frame),
+        keyframes::MEDIA_TYPE,
+        time,
+        &bytes,
+    )?;
+    Ok(())
 }
 
 fn checkpoint_header(info: &TraceInfo) -> ChannelHeader {

@@ -22,6 +22,23 @@ pub trait Simulator: Sync {
         scene: &Scene,
         profile: &Profile,
     ) -> Result<Box<dyn Simulation>, SimulationError>;
+
+    /// Goes on from a [snapshot](Simulation::snapshot) that a run of the same scene under the same profile has taken. What
+    /// follows is bit for bit what that run did.
+    ///
+    /// # Errors
+    /// When the world cannot be loaded, or the snapshot cannot be read or does not fit to scene and world.
+    fn resume(
+        &self,
+        scene: &Scene,
+        profile: &Profile,
+        snapshot: &[u8],
+    ) -> Result<Box<dyn Simulation>, SimulationError> {
+        let _ = (scene, profile, snapshot);
+        Err(SimulationError::Snapshot {
+            reason: "this client takes no snapshots".into(),
+        })
+    }
 }
 
 /// A running scene.
@@ -52,6 +69,27 @@ pub trait Simulation {
     ) -> Result<(), SimulationError> {
         let _ = checkpoints;
         self.step(frame, out)
+    }
+
+    /// Writes the records of `frame`, which has just been run, once more; a run that was [resumed](Simulator::resume) after that
+    /// frame has not written them yet.
+    ///
+    /// # Errors
+    /// When the client cannot go on from snapshots.
+    fn records(&self, frame: i32, out: &mut FrameStates) -> Result<(), SimulationError> {
+        let _ = (frame, out);
+        Err(SimulationError::Snapshot {
+            reason: "this client takes no snapshots".into(),
+        })
+    }
+
+    /// Everything that changes, between two frames, as bytes for [`Simulator::resume`]; `None` from a client that takes none.
+    /// Equal states give equal bytes.
+    ///
+    /// # Errors
+    /// When the state cannot be written.
+    fn snapshot(&self) -> Result<Option<Vec<u8>>, SimulationError> {
+        Ok(None)
     }
 
     /// Sets every field that `expected` carries into the entity `expected.guid`; what the record does not carry stays. Does
@@ -91,6 +129,20 @@ pub enum SimulationError {
         scene: String,
         /// What is wrong.
         reason: String,
+    },
+    /// A snapshot cannot be taken, read or restored.
+    #[error("snapshot: {reason}")]
+    Snapshot {
+        /// What is wrong.
+        reason: String,
+    },
+    /// The plan leaves out what may change results.
+    #[error("scene `{scene}`: the plan cannot be used: {reason}")]
+    Plan {
+        /// Name of the scene.
+        scene: String,
+        /// The entry that is wrong.
+        reason: ac_client::frame::plan::PlanError,
     },
     /// A stage record cannot be understood.
     #[error("stage record: {reason}")]

@@ -33,6 +33,7 @@ pub use node::AnimSequenceNode;
 pub use part::PhysicsPart;
 pub use part_array::PartArray;
 pub use sequence::{Placement, Sequence};
+pub(crate) use simple_setup::simple_setup;
 pub use source::AnimationSource;
 
 #[cfg(test)]

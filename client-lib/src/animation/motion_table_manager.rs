@@ -20,7 +20,7 @@ pub struct PendingMotion {
     /// Animations that must end first (`num_anims`). `u32::MAX`: it never completes by itself.
     pub animations: u32,
     /// Tells entries apart that look alike.
-    pub(super) serial: u64,
+    pub(crate) serial: u64,
 }
 
 /// What a motion table is asked to do (`PerformMovement`, types 2, 4 and 5).
@@ -45,14 +45,14 @@ pub enum MotionRequest {
 /// The motion table of an object, what it is doing, and the motions that wait for their animations to end.
 #[derive(Debug, Clone, Default)]
 pub struct MotionTableManager {
-    table: Option<Arc<MotionTable>>,
+    pub(crate) table: Option<Arc<MotionTable>>,
     /// What is being done.
     pub state: MotionState,
     /// Animations that ended since the head of the queue was reached.
     pub animation_counter: u32,
     /// Motions that are not reported done yet, oldest first.
-    pub(super) pending: VecDeque<PendingMotion>,
-    next_serial: u64,
+    pub(crate) pending: VecDeque<PendingMotion>,
+    pub(crate) next_serial: u64,
 }
 
 impl MotionTableManager {

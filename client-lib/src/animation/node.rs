@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::source::AnimationSource;
-use crate::dat::{AnimFrameRef, AnimRange, Animation, StoredFrame};
+use crate::dat::{AnimFrameRef, AnimRange, Animation, AnimationHook, StoredFrame};
 use crate::math::EPSILON;
 use crate::profile::{AnimationBounds, Profile};
 
@@ -11,7 +11,7 @@ use crate::profile::{AnimationBounds, Profile};
 #[derive(Debug, Clone)]
 pub struct AnimSequenceNode {
     /// `None` only where the profile appends missing animations (`N-12`).
-    animation: Option<Arc<Animation>>,
+    pub(crate) animation: Option<Arc<Animation>>,
     /// Frames per second; negative plays backwards, zero stands still.
     pub rate: f32,
     /// First frame of the range.
@@ -124,6 +124,18 @@ impl AnimSequenceNode {
         self.animation
             .as_ref()?
             .root_frame(usize::try_from(index).ok()?)
+    }
+
+    /// Whether the animation has root motion, be it zero.
+    pub fn has_root_motion(&self) -> bool {
+        let frames = self.animation.as_ref().map(|a| a.root_frames());
+        frames.is_some_and(|frames| !frames.is_empty())
+    }
+
+    /// All hooks of the animation, of whatever frame and direction.
+    pub fn hooks(&self) -> impl Iterator<Item = &AnimationHook> {
+        let animation = self.animation.iter();
+        animation.flat_map(|a| a.frames().flat_map(|frame| frame.hooks))
     }
 
     /// Whether velocity acts while this node plays: at a rate within ε of zero one frame would take too long to divide by.

@@ -32,12 +32,14 @@ pub struct PartArray {
     pub parts: Vec<Option<PhysicsPart>>,
     /// Animation hooks that wait to be executed, in order.
     pub hooks: AnimHookQueue,
-    setup: Option<Arc<Setup>>,
-    scale: Vec3,
+    pub(crate) setup: Option<Arc<Setup>>,
+    pub(crate) scale: Vec3,
+    /// Of the setup: see [`PartArray::obstacle_reach`].
+    pub(crate) obstacle_reach: f32,
 }
 
 impl PartArray {
-    fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         Self {
             sequence: Sequence::new(),
             motion_table: None,
@@ -45,6 +47,7 @@ impl PartArray {
             hooks: AnimHookQueue::new(),
             setup: None,
             scale: Vec3::ONE,
+            obstacle_reach: 0.0,
         }
     }
 
@@ -60,7 +63,7 @@ impl PartArray {
             .shape(id)
             .ok_or(PartArrayError::MissingShape { part: 0, shape: id })?;
         let mut array = Self::empty();
-        array.setup = Some(Arc::new(simple_setup(&shape)));
+        array.take_setup(Arc::new(simple_setup(&shape)));
         array.parts = vec![Some(PhysicsPart::new(shape))];
         array.set_placement_frame(DEFAULT_PLACEMENT);
         Ok(array)
@@ -93,9 +96,22 @@ impl PartArray {
             return Err(PartArrayError::TooManyParts(count));
         }
         let mut array = Self::empty();
-        array.setup = Some(Arc::new(Setup::empty(0)));
+        array.take_setup(Arc::new(Setup::empty(0)));
         array.parts.resize(count, None);
         Ok(array)
+    }
+
+    /// The array with that sorting sphere (own space, m) instead of its setup's.
+    #[must_use]
+    pub fn with_sorting_sphere(mut self, sphere: Sphere) -> Self {
+        let mut setup = self
+            .setup
+            .as_deref()
+            .cloned()
+            .unwrap_or_else(|| Setup::empty(0));
+        setup.sorting_sphere = sphere;
+        self.setup = Some(Arc::new(setup));
+        self
     }
 
     /// Replaces the setup (`SetSetupID`). `Ok(false)`: it was the present one and nothing changed. The caller applies the setup's defaults
@@ -120,12 +136,17 @@ impl PartArray {
         self.parts.clear();
         // The stored pose belongs to the old setup.
         self.sequence.placement = Placement::default();
-        self.setup = Some(Arc::clone(&setup));
+        self.take_setup(Arc::clone(&setup));
         self.make_parts(&setup, source)?;
         if setup.default_animation != 0 {
             self.play_default(setup.default_animation, source, profile);
         }
         Ok(true)
+    }
+
+    pub(crate) fn take_setup(&mut self, setup: Arc<Setup>) {
+        self.obstacle_reach = reach_of(&setup);
+        self.setup = Some(setup);
     }
 
     fn make_parts(
@@ -295,6 +316,7 @@ impl PartArray {
     /// Takes setup, scale and parts of another array (`MorphToExistingObject`).
     pub fn morph_to(&mut self, other: &Self) {
         self.setup.clone_from(&other.setup);
+        self.obstacle_reach = other.obstacle_reach;
         self.scale = other.scale;
         self.parts.clone_from(&other.parts);
         self.sequence.placement = other.sequence.placement;
@@ -332,6 +354,12 @@ impl PartArray {
     /// Collision spheres in the object's space, unscaled.
     pub fn spheres(&self) -> &[Sphere] {
         self.setup.as_ref().map_or(&[], |s| &s.spheres)
+    }
+
+    /// Distance from the object's origin within which all its collision spheres and cylinders lie, m, unscaled.
+    #[inline]
+    pub const fn obstacle_reach(&self) -> f32 {
+        self.obstacle_reach
     }
 
     /// Collision cylinders in the object's space, unscaled.
@@ -478,6 +506,26 @@ impl PartArray {
     pub fn has_animations(&self) -> bool {
         self.sequence.has_animations()
     }
+}
+
+/// Distance from the origin within which all collision spheres and cylinders of a setup lie, m.
+fn reach_of(setup: &Setup) -> f32 {
+    let spheres = setup
+        .spheres
+        .iter()
+        .map(|s| s.center.length() + s.radius.abs());
+    let cylinders = setup
+        .cyl_spheres
+        .iter()
+        .map(|c| c.low.length() + c.radius.abs() + c.height.abs());
+    spheres.chain(cylinders).fold(0.0, |reach: f32, r| {
+        // Not a number stays.
+        if reach.is_nan() || r <= reach {
+            reach
+        } else {
+            r
+        }
+    })
 }
 
 /// The pose of the current animation frame, or the placement while nothing plays.

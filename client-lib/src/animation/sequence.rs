@@ -23,10 +23,10 @@ pub struct Placement {
 /// operation leaves it at the tail, so it needs no field. Between calls the current node is the head.
 #[derive(Debug, Clone, Default)]
 pub struct Sequence {
-    pub(super) nodes: VecDeque<AnimSequenceNode>,
-    pub(super) current: Option<usize>,
+    pub(crate) nodes: VecDeque<AnimSequenceNode>,
+    pub(crate) current: Option<usize>,
     /// Frames, f64. Profile `ace` computes in f32 and keeps the f32 value here (`N-01`).
-    pub(super) frame_number: f64,
+    pub(crate) frame_number: f64,
     /// Metres per second in the object's axes.
     pub velocity: Vec3,
     /// Radians per second in the object's axes.

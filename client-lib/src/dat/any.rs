@@ -18,7 +18,11 @@ macro_rules! any_record {
         /// A record of any kind that this library reads.
         #[derive(Debug, Clone, PartialEq, Serialize)]
         #[serde(untagged)]
-        #[allow(missing_docs, clippy::large_enum_variant)]
+        #[allow(
+            missing_docs,
+            clippy::large_enum_variant,
+            reason = "variants are named after their content, and there is one at a time"
+        )]
         pub enum AnyRecord {
             $($variant($type),)*
         }

@@ -19,7 +19,7 @@ pub const MAX_DEPTH: usize = 512;
 
 /// Kind of a node: the four letters of its tag.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[allow(missing_docs)]
+#[allow(missing_docs, reason = "the names are the stored letters")]
 pub enum BspTag {
     Leaf,
     Port,
@@ -337,8 +337,8 @@ pub trait NodeCodec: Sized {
     fn read_leaf(tree: &mut BspTree<Self>, r: &mut Reader<'_>, limits: TreeLimits) -> Read<Self>;
     /// An inner node before its children; `None` if this kind of tree has no such tag.
     fn inner(tag: BspTag, plane: Plane) -> Option<Self>;
-    /// Links a child.
-    fn link(&mut self, positive: bool, child: Option<NodeId>);
+    /// Positive and negative child of an inner node.
+    fn children_mut(&mut self) -> Option<[&mut Option<NodeId>; 2]>;
     /// Fields of an inner node after its children.
     fn read_tail(
         tree: &mut BspTree<Self>,
@@ -378,7 +378,9 @@ impl<N: NodeCodec> BspTree<N> {
                     tag.has_negative()
                 } {
                     let child = NodeId::new(tree.nodes.len());
-                    tree.nodes[node].link(positive, child);
+                    if let Some([p, n]) = tree.nodes[node].children_mut() {
+                        *(if positive { p } else { n }) = child;
+                    }
                     tree.read_head(r, limits, &mut open)?;
                 }
             } else {
@@ -548,13 +550,10 @@ impl NodeCodec for PhysicsNode {
         })
     }
 
-    fn link(&mut self, positive: bool, child: Option<NodeId>) {
-        if let Self::Inner(n) = self {
-            *(if positive {
-                &mut n.positive
-            } else {
-                &mut n.negative
-            }) = child;
+    fn children_mut(&mut self) -> Option<[&mut Option<NodeId>; 2]> {
+        match self {
+            Self::Inner(n) => Some([&mut n.positive, &mut n.negative]),
+            Self::Leaf(_) => None,
         }
     }
 
@@ -607,13 +606,10 @@ impl NodeCodec for CellNode {
         }))
     }
 
-    fn link(&mut self, positive: bool, child: Option<NodeId>) {
-        if let Self::Inner(n) = self {
-            *(if positive {
-                &mut n.positive
-            } else {
-                &mut n.negative
-            }) = child;
+    fn children_mut(&mut self) -> Option<[&mut Option<NodeId>; 2]> {
+        match self {
+            Self::Inner(n) => Some([&mut n.positive, &mut n.negative]),
+            Self::Leaf(_) => None,
         }
     }
 
@@ -654,13 +650,10 @@ impl NodeCodec for DrawingNode {
         }))
     }
 
-    fn link(&mut self, positive: bool, child: Option<NodeId>) {
-        if let Self::Inner(n) = self {
-            *(if positive {
-                &mut n.positive
-            } else {
-                &mut n.negative
-            }) = child;
+    fn children_mut(&mut self) -> Option<[&mut Option<NodeId>; 2]> {
+        match self {
+            Self::Inner(n) => Some([&mut n.positive, &mut n.negative]),
+            Self::Leaf(_) => None,
         }
     }
 

@@ -35,6 +35,7 @@ mod palette;
 mod particle_emitter;
 mod physics_script;
 mod polygon;
+mod portal_tree;
 mod reader;
 mod record;
 mod region;

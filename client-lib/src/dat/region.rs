@@ -194,7 +194,7 @@ pub struct TextureMerge {
 
 /// Texture of a terrain type.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[allow(missing_docs)]
+#[allow(missing_docs, reason = "named after the fields of the record")]
 pub struct TerrainTexture {
     /// Terrain type, 32 the road.
     pub terrain_type: u32,
@@ -225,7 +225,7 @@ pub struct PaletteShift {
 
 /// Numbers at the end of the record.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[allow(missing_docs)]
+#[allow(missing_docs, reason = "named after the fields of the record")]
 pub struct RegionMisc {
     pub version: u32,
     pub game_map: u32,

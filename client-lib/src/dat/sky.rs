@@ -32,7 +32,7 @@ pub struct DayGroup {
 
 /// Something in the sky.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[allow(missing_docs)]
+#[allow(missing_docs, reason = "named after the fields of the record")]
 pub struct SkyObject {
     /// Fraction of the day.
     pub begin: f32,
@@ -55,7 +55,7 @@ pub struct SkyObject {
 
 /// Light and fog from a time of day on. Colours are 0xAARRGGBB.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[allow(missing_docs)]
+#[allow(missing_docs, reason = "named after the fields of the record")]
 pub struct SkyTime {
     /// Fraction of the day.
     pub begin: f32,
@@ -79,7 +79,7 @@ pub struct SkyTime {
 
 /// Change of a sky object.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[allow(missing_docs)]
+#[allow(missing_docs, reason = "named after the fields of the record")]
 pub struct SkyReplacement {
     /// Index among the sky objects of the group.
     pub object: u32,

@@ -56,7 +56,7 @@ impl Record for SurfaceTexture {
 #[serde(transparent)]
 pub struct PixelFormat(pub u32);
 
-#[allow(missing_docs)]
+#[allow(missing_docs, reason = "named after the fields of the record")]
 impl PixelFormat {
     pub const R8G8B8: Self = Self(0x14);
     pub const A8R8G8B8: Self = Self(0x15);

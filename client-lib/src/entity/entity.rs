@@ -149,6 +149,9 @@ pub struct Entity {
     /// Radius of attack cones, m; unused by any reference.
     pub attack_radius: f32,
 
+    /// Nobody needs the places of the parts: they are not computed, unless a part has a physics tree or carries something (plans).
+    pub unposed: bool,
+
     /// Callbacks fired since the driver cleared the list, in order.
     pub events: Vec<FrameEvent>,
     /// Quanta executed since the driver cleared the list.
@@ -195,6 +198,7 @@ impl Entity {
             default_script_intensity: 0.0,
             examination_object: false,
             attack_radius: 0.0,
+            unposed: false,
             events: Vec::new(),
             steps: Vec::new(),
             touched: Vec::new(),

@@ -10,6 +10,7 @@ mod store;
 mod weenie;
 
 pub use entity::{Child, CollisionRecord, CollisionTable, Entity, Kinetics, Timestamps};
+pub(crate) use store::Ending;
 pub use store::Entities;
 pub use weenie::{
     AttackReport, CollisionProfile, CollisionReport, EnvironmentReport, HouseAccess, ObjectReport,

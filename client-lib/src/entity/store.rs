@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::Entity;
+use crate::math::Vec3;
 use crate::physics::body::{Body, EntityId, ObjectRef};
 use crate::world::World;
 
@@ -12,17 +13,30 @@ use crate::world::World;
 /// world as an argument. While it is out, lookups do not find it: what it needs of itself it has.
 #[derive(Debug, Default)]
 pub struct Entities {
-    slots: Vec<Option<Box<Entity>>>,
+    pub(crate) slots: Vec<Option<Box<Entity>>>,
     /// The object table in order of registration.
-    table: Vec<EntityId>,
+    pub(crate) table: Vec<EntityId>,
     /// By handle: is in the table.
-    registered: Vec<bool>,
-    by_guid: HashMap<u32, EntityId>,
+    pub(crate) registered: Vec<bool>,
+    pub(crate) by_guid: HashMap<u32, EntityId>,
     /// By handle: the clock of an object that rests, s; [`AWAKE`] for the others.
     ///
     /// An object at rest does nothing but keep its clock. So that it is not even looked at, its clock is kept here until somebody takes the
     /// object or changes it; until then its own [`update_time`](super::Kinetics::update_time) is old, and nothing reads it.
-    resting: Vec<f64>,
+    pub(crate) resting: Vec<f64>,
+    /// By handle: has ended; its handle names nothing any more.
+    pub(crate) gone: Vec<bool>,
+    /// Objects that are to end when they are put back, and how.
+    pub(crate) ending: Vec<(EntityId, Ending)>,
+}
+
+/// How an object ends that was taken out when somebody asked for its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Ending {
+    /// It leaves the world and goes on existing outside.
+    Destroyed,
+    /// It is gone.
+    Deleted,
 }
 
 /// Not a clock.
@@ -35,6 +49,7 @@ impl Entities {
         self.slots.push(None);
         self.registered.push(false);
         self.resting.push(AWAKE);
+        self.gone.push(false);
         Box::new(Entity::new(id, guid, now))
     }
 
@@ -55,6 +70,13 @@ impl Entities {
         self.mark(id, false);
     }
 
+    /// Moves an object of the object table to its beginning.
+    pub(crate) fn move_to_front(&mut self, id: EntityId) {
+        if let Some(at) = self.table.iter().position(|&e| e == id) {
+            self.table[..=at].rotate_right(1);
+        }
+    }
+
     fn mark(&mut self, id: EntityId, registered: bool) {
         if let Some(mark) = self.registered.get_mut(id.0 as usize) {
             *mark = registered;
@@ -64,7 +86,33 @@ impl Entities {
     /// Ends an object's existence.
     pub fn remove(&mut self, id: EntityId) -> Option<Box<Entity>> {
         self.unregister(id);
+        if let Some(gone) = self.gone.get_mut(id.0 as usize) {
+            *gone = true;
+        }
         self.take(id)
+    }
+
+    /// Whether an object exists but is taken out.
+    pub(crate) fn is_out(&self, id: EntityId) -> bool {
+        let index = id.0 as usize;
+        matches!(
+            (self.slots.get(index), self.gone.get(index)),
+            (Some(None), Some(false))
+        )
+    }
+
+    /// An object that is taken out is to end when it is back.
+    pub(crate) fn end_later(&mut self, id: EntityId, ending: Ending) {
+        self.ending.push((id, ending));
+    }
+
+    /// Takes off one object that is to end and is back.
+    fn next_ending(&mut self) -> Option<(EntityId, Ending)> {
+        let at = self
+            .ending
+            .iter()
+            .position(|&(id, _)| self.get(id).is_some())?;
+        Some(self.ending.remove(at))
     }
 
     /// Whether an object is in the object table.
@@ -123,6 +171,14 @@ impl Entities {
         }
     }
 
+    /// How an object looks from the local player, m; it goes on resting if it rests.
+    #[inline]
+    pub(crate) fn see_from_player(&mut self, id: EntityId, vector: Vec3, distance: f32) {
+        if let Some(Some(entity)) = self.slots.get_mut(id.0 as usize) {
+            (entity.player_vector, entity.player_distance) = (vector, distance);
+        }
+    }
+
     /// Takes an object out, to be [put](Entities::put) back.
     pub fn take(&mut self, id: EntityId) -> Option<Box<Entity>> {
         self.wake(id);
@@ -142,8 +198,12 @@ impl Entities {
         if self.slots.len() <= index {
             self.slots.resize_with(index + 1, || None);
             self.registered.resize(index + 1, false);
+            self.gone.resize(index + 1, true);
         }
         self.remove(id);
+        if let Some(gone) = self.gone.get_mut(index) {
+            *gone = false;
+        }
         self.put(entity);
         if registered {
             self.register(id, guid);
@@ -154,13 +214,18 @@ impl Entities {
     pub fn clear(&mut self) {
         self.slots.iter_mut().for_each(|slot| *slot = None);
         self.registered.fill(false);
+        self.gone.fill(true);
+        self.ending.clear();
         self.table.clear();
         self.by_guid.clear();
     }
 
-    /// Puts an object back.
+    /// Puts an object back, unless it was [removed](Entities::remove) meanwhile.
     pub fn put(&mut self, entity: Box<Entity>) {
         let index = entity.id.0 as usize;
+        if self.gone.get(index).copied().unwrap_or(true) {
+            return;
+        }
         if let Some(slot) = self.slots.get_mut(index) {
             *slot = Some(entity);
         }
@@ -175,6 +240,7 @@ impl World {
 
     /// An entity; `None` if it is taken out at the moment, or gone.
     pub fn entity_mut(&mut self, id: EntityId) -> Option<&mut Entity> {
+        self.catch_up(id);
         self.entities.get_mut(id)
     }
 
@@ -189,10 +255,25 @@ impl World {
         id: EntityId,
         f: impl FnOnce(&mut Entity, &mut Self) -> R,
     ) -> Option<R> {
+        self.catch_up(id);
         let mut entity = self.entities.take(id)?;
         let result = f(&mut entity, self);
         self.entities.put(entity);
+        self.end_what_waits();
         Some(result)
+    }
+
+    /// Ends objects whose end was asked for while they were taken out, now that they are back.
+    #[inline]
+    pub(crate) fn end_what_waits(&mut self) {
+        while !self.entities.ending.is_empty()
+            && let Some((id, ending)) = self.entities.next_ending()
+        {
+            match ending {
+                Ending::Destroyed => self.destroy_entity(id),
+                Ending::Deleted => self.delete_entity(id),
+            }
+        }
     }
 
     /// Place, shape and state of an object; `None` if it is not loaded, or is an entity that is taken out.

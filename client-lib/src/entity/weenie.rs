@@ -67,13 +67,20 @@ pub struct ObjectReport {
     pub profile: Option<CollisionProfile>,
 }
 
-/// A missile's hit, as told to a weenie.
+/// The hit of a missile or of an attack of an animation, as told to a weenie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct AttackReport {
     /// The other party.
     pub guid: u32,
     /// Where it was hit: High 0x1, Medium 0x2, Low 0x4, Left 0x8, Right 0x10, Front 0x20, Back 0x40.
     pub quadrant: u32,
+    /// The attacking part; [`AttackReport::WHOLE`] for a missile.
+    pub part: u32,
+}
+
+impl AttackReport {
+    /// Part number of an attacker that hits with its whole body.
+    pub const WHOLE: u32 = u32::MAX;
 }
 
 /// A touch of the environment, as told to a weenie.

@@ -32,6 +32,18 @@ impl BoundingBox {
         }
     }
 
+    /// Extends `other` to contain this box (`spec/04`, 6 item 2). A bound that is not a number extends nothing.
+    pub fn merge_into(&self, other: &mut Self) {
+        for i in 0..3 {
+            if self.min[i] < other.min[i] {
+                other.min[i] = self.min[i];
+            }
+            if self.max[i] > other.max[i] {
+                other.max[i] = self.max[i];
+            }
+        }
+    }
+
     /// Whether `p` is inside; all six faces count.
     pub fn contains(&self, p: Vec3) -> bool {
         (0..3).all(|i| self.min[i] <= p[i] && p[i] <= self.max[i])

@@ -216,6 +216,14 @@ impl CellId {
         (coord.cell_id(), loc)
     }
 
+    /// [`block_offset`] as a profile answers it: `None` where the reference throws (`04:A6`, `01:L1`), which it does for different blocks one of
+    /// which is off the map (column or row 0xFF). Cells that are loaded are on the map, so movement never asks for such an offset.
+    pub fn block_offset_to(self, to: Self, profile: &Profile) -> Option<Vec3> {
+        let on_map = self.block_coord().is_some() && to.block_coord().is_some();
+        let fails = profile.off_map == OffMap::Fails && !self.same_block(to) && !on_map;
+        (!fails).then(|| block_offset(self, to))
+    }
+
     /// Direction of another block as seen from this one, by the signs of the block differences.
     pub const fn direction_to(self, other: Self) -> Direction {
         let (dx, dy) = (
@@ -251,7 +259,7 @@ impl fmt::Display for CellId {
 
 /// Vector (m) from the south-west corner of `from`'s block to that of `to`'s block; no bounds check (10.5).
 ///
-/// Under profile `ace` a use of block 0xFF or of id 0 fails (`01:L1`), which callers ask for with [`CellId::block_coord`] beforehand.
+/// Profile `ace` fails for a block off the map: see [`CellId::block_offset_to`].
 #[inline]
 pub fn block_offset(from: CellId, to: CellId) -> Vec3 {
     if from.same_block(to) {

@@ -46,6 +46,16 @@ impl Frame {
         }
     }
 
+    /// Origin and rotation: all that is not computed from something else.
+    pub(crate) const fn parts(&self) -> (Vec3, Quat) {
+        let Self {
+            origin,
+            rotation,
+            rows: _,
+        } = *self;
+        (origin, rotation)
+    }
+
     /// The rotation.
     pub const fn rotation(&self) -> Quat {
         self.rotation

@@ -2,8 +2,8 @@
 //!
 //! Whether an event is to be carried out at all is decided before (`Entity::accept_movement`, which also sets the object's autonomous flag).
 
-use super::wire::{Reader, WireError};
 use super::ground::stamp_is_newer;
+use super::wire::{Reader, WireError};
 use super::{
     Command, InterpretedMotionState, MovementFlags, MovementParameters, RawMotionState, code_of,
 };

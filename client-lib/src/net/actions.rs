@@ -92,7 +92,11 @@ mod tests {
         state.forward.command = command;
         Outgoing::MoveToState {
             state,
-            position: Position::new(CellId(0xA9B4_0019), Vec3::new(84.0, 7.25, 94.0), Quat::IDENTITY),
+            position: Position::new(
+                CellId(0xA9B4_0019),
+                Vec3::new(84.0, 7.25, 94.0),
+                Quat::IDENTITY,
+            ),
             stamps: SequenceStamps {
                 instance: 5,
                 server_control: 3,
@@ -119,7 +123,9 @@ mod tests {
         let mut writer = ActionWriter::default();
         let login = writer.action(GameAction::LoginComplete(()));
         assert_eq!(read(&login), (1, GameAction::LoginComplete(())));
-        let bytes = writer.report(&movement(Command::WALK_FORWARD)).expect("sent");
+        let bytes = writer
+            .report(&movement(Command::WALK_FORWARD))
+            .expect("sent");
         let (sequence, GameAction::MoveToState(sent)) = read(&bytes) else {
             panic!("a movement");
         };

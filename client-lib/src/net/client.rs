@@ -151,11 +151,7 @@ impl GameClient {
     }
 
     /// Runs the frame at `now` (s): what was received acts, then `input`, then everything is advanced.
-    pub fn frame(
-        &mut self,
-        now: f64,
-        input: impl FnOnce(&mut CommandInterpreter, &mut Scene<'_>),
-    ) {
+    pub fn frame(&mut self, now: f64, input: impl FnOnce(&mut CommandInterpreter, &mut Scene<'_>)) {
         self.world.clock.now = now;
         for (_, entity) in self.stage.entities.iter() {
             if let Some(entity) = self.world.entity_mut(entity.id) {
@@ -238,7 +234,9 @@ impl GameClient {
                     let now = self.world.clock.now;
                     // The interpreter of another character keeps nothing.
                     self.interpreter = CommandInterpreter::new(now);
-                    self.with_interpreter(|interpreter, scene| interpreter.new_player(false, scene));
+                    self.with_interpreter(|interpreter, scene| {
+                        interpreter.new_player(false, scene)
+                    });
                 }
                 Notice::LostControl => {
                     self.with_interpreter(|interpreter, scene| {
@@ -307,7 +305,13 @@ impl GameClient {
             }
             None => {
                 let world = &mut self.world;
-                f(interpreter, &mut Scene { player: None, world });
+                f(
+                    interpreter,
+                    &mut Scene {
+                        player: None,
+                        world,
+                    },
+                );
             }
         }
     }

@@ -24,8 +24,8 @@ use super::messages::weenie_desc::WeenieDesc;
 use super::messages::{GameEvent, PlainServerMessage, ServerMessage};
 use crate::entity::{Entity, Timestamps};
 use crate::math::{Position, Vec3};
-use crate::physics::attachment::Attachment;
 use crate::motion::Character;
+use crate::physics::attachment::Attachment;
 use crate::physics::body::EntityId;
 use crate::physics::network::{MovementVerdict, Stamp, is_newer};
 use crate::physics::placement::{PlacementFlags, SetPosition, SetPositionError};
@@ -236,7 +236,7 @@ impl GameEntities {
         for id in world.due_for_destruction() {
             if world.local_player != Some(id) {
                 self.table.retain(|_, e| e.id != id);
-                destroy(id, world);
+                world.delete_entity(id);
             }
         }
     }
@@ -268,7 +268,7 @@ impl GameEntities {
             Err(Dropped::Unknown) => self.create(o, world),
             Err(Dropped::LaterIncarnation) => {
                 if let Some(old) = self.table.remove(&o.guid) {
-                    destroy(old.id, world);
+                    world.delete_entity(old.id);
                 }
                 self.create(o, world)
             }
@@ -411,7 +411,7 @@ impl GameEntities {
             return Err(Dropped::LocalPlayer);
         }
         if let Some(entity) = self.table.remove(&d.guid) {
-            destroy(entity.id, world);
+            world.delete_entity(entity.id);
         }
         Ok(())
     }
@@ -622,7 +622,7 @@ impl GameEntities {
         let carried = |e: &Entity| e.body.cell.is_none() && e.body.parent.is_none();
         if world.entity(id).is_some_and(carried) && !self.is_player(guid) {
             self.table.remove(&guid);
-            destroy(id, world);
+            world.delete_entity(id);
         }
         Ok(())
     }
@@ -640,16 +640,6 @@ fn event(id: EntityId, stamp: Stamp, value: u16, world: &mut World) -> bool {
     world
         .entity_mut(id)
         .is_some_and(|e| e.timestamps.newer_event(stamp, value))
-}
-
-/// Ends an object: its children are detached first.
-fn destroy(id: EntityId, world: &mut World) {
-    world.with_entity(id, |e, world| {
-        e.unset_parent(world);
-        e.unparent_children(world);
-    });
-    world.destroy_entity(id);
-    world.entities.remove(id);
 }
 
 #[cfg(test)]

@@ -85,6 +85,12 @@ impl Entity {
             return false;
         }
         let own = self.id;
+        world.with_entity(parent, |holder, world| {
+            // Its parts were not placed as long as nobody needed them.
+            if std::mem::take(&mut holder.unposed) {
+                holder.update_parts(world);
+            }
+        });
         let Some(holder) = world.entity_mut(parent) else {
             return false;
         };

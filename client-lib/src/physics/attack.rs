@@ -1,7 +1,7 @@
 //! Attack cones: whom an attack of an animation reaches (`spec/06-physics-object.md`, C9). No state of movement is changed.
 
 use crate::dat::AttackCone;
-use crate::entity::Entity;
+use crate::entity::{AttackReport, CollisionReport, Entity};
 use crate::math::{Position, Sphere, Vec3};
 use crate::physics::body::{EntityId, ObjectRef};
 use crate::physics::state::PhysicsState;
@@ -20,6 +20,25 @@ pub struct AttackHit {
 }
 
 impl Entity {
+    /// Carries out the attack of an animation: every hit is told to the own weenie. Whether anybody listens changes nothing else: the cells
+    /// around are looked up, and loaded, in either case.
+    pub(crate) fn strike(&mut self, cone: &AttackCone, world: &mut World) {
+        let mut hits = std::mem::take(&mut world.scratch.hits);
+        hits.clear();
+        self.attack(cone, world, &mut hits);
+        if self.weenie.as_ref().is_some_and(|w| w.collects_reports) {
+            let told = hits.iter().filter_map(|hit| {
+                Some(CollisionReport::Attack(AttackReport {
+                    guid: world.entity(hit.object)?.guid(),
+                    quadrant: hit.quadrant,
+                    part: hit.part,
+                }))
+            });
+            self.reports.extend(told);
+        }
+        world.scratch.hits = hits;
+    }
+
     /// Appends everyone whom the cone of an attack reaches to `hits`, each once, in order of cells and their lists.
     pub fn attack(&self, cone: &AttackCone, world: &mut World, hits: &mut Vec<AttackHit>) {
         if self.body.cell.is_none() {

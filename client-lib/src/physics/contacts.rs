@@ -57,8 +57,8 @@ impl Other {
 }
 
 impl World {
-    /// Clock of collision ages (O-20), s.
-    fn collision_clock(&self) -> f64 {
+    /// Clock of collision ages and of the target manager's interval (O-20), s.
+    pub(super) fn collision_clock(&self) -> f64 {
         match self.profile.collision_clock {
             CollisionClock::SimTime => self.clock.sim_time,
             CollisionClock::Now => self.clock.now,
@@ -225,6 +225,7 @@ impl Entity {
             CollisionReport::Attack(AttackReport {
                 guid: other.guid,
                 quadrant,
+                part: AttackReport::WHOLE,
             })
         } else {
             let asked = match world.profile.reports {
@@ -278,6 +279,7 @@ impl Entity {
             CollisionReport::Attack(AttackReport {
                 guid: self.body.guid,
                 quadrant,
+                part: AttackReport::WHOLE,
             })
         } else {
             // The client exchanges the two bits of this profile (O-21).

@@ -26,7 +26,9 @@ impl Entity {
 
     /// The parts take the present pose at the present frame (`UpdatePartsInternal`).
     pub(crate) fn update_parts(&mut self, world: &World) {
-        if self.body.state.contains(PhysicsState::PARTICLE_EMITTER) {
+        let collides = self.body.state.contains(PhysicsState::HAS_PHYSICS_BSP);
+        let unseen = self.unposed && !collides && self.children.is_empty();
+        if unseen || self.body.state.contains(PhysicsState::PARTICLE_EMITTER) {
             return;
         }
         if let Some(parts) = &mut self.body.part_array {

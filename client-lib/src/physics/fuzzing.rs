@@ -26,10 +26,10 @@ const BLOCK: u32 = 0x1020_0000;
 const MAX_ACTIONS: usize = 48;
 
 /// A recipe; it goes on with zeros when it is used up.
-struct Recipe<'a>(&'a [u8]);
+pub(crate) struct Recipe<'a>(pub(crate) &'a [u8]);
 
 impl Recipe<'_> {
-    fn byte(&mut self) -> u8 {
+    pub(crate) fn byte(&mut self) -> u8 {
         let Some((&first, rest)) = self.0.split_first() else {
             return 0;
         };
@@ -37,24 +37,24 @@ impl Recipe<'_> {
         first
     }
 
-    fn below(&mut self, n: usize) -> usize {
+    pub(crate) fn below(&mut self, n: usize) -> usize {
         usize::from(self.byte()) % n.max(1)
     }
 
     /// A number in [-1, 1] with 16 bits.
-    fn unit(&mut self) -> f32 {
+    pub(crate) fn unit(&mut self) -> f32 {
         f32::from(i16::from_le_bytes([self.byte(), self.byte()])) / 32768.0
     }
 
-    fn vector(&mut self, reach: f32) -> Vec3 {
+    pub(crate) fn vector(&mut self, reach: f32) -> Vec3 {
         Vec3::new(self.unit(), self.unit(), self.unit()) * reach
     }
 
-    fn pick<T: Copy>(&mut self, choices: &[T]) -> T {
+    pub(crate) fn pick<T: Copy>(&mut self, choices: &[T]) -> T {
         choices[self.below(choices.len())]
     }
 
-    fn ended(&self) -> bool {
+    pub(crate) fn ended(&self) -> bool {
         self.0.is_empty()
     }
 }
@@ -301,7 +301,13 @@ fn live(recipe: &mut Recipe<'_>, profile: Profile, dats: Arc<DatSet>, setups: &[
         }
         now += recipe.pick(&[0.05, 0.034, 0.1, 0.25, 0.0, 0.01, 0.7, 2.5]);
         pipeline.run_frame(&mut world, now, &mut NoHost);
+        // Some have been out of sight for too long.
+        let ends = |id: &EntityId| world.entity(*id).is_some() || world.entities.is_registered(*id);
+        ids.retain(ends);
         check(&mut world, &ids);
+        if ids.is_empty() {
+            break;
+        }
         if recipe.ended() {
             break;
         }

@@ -82,7 +82,8 @@ impl Entity {
             HookAction::NoDraw { value } => self.set_no_draw(value != 0),
             HookAction::SetOmega { axis } => self.kin.omega = axis,
             HookAction::SetLight { on } => self.set_lights(on != 0),
-            // Game logic (3), particles (13 to 15, 26), scripts (17 to 19), and what only draws or sounds.
+            HookAction::Attack(cone) => self.strike(&cone, world),
+            // Particles (13 to 15, 26), scripts (17 to 19), and what only draws or sounds.
             _ => {}
         }
     }

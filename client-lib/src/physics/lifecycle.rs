@@ -1,7 +1,7 @@
 //! Creation, entering and leaving the world, destruction (`spec/06-physics-object.md`, G1 to G4, G7).
 
 use crate::animation::{PartArray, PartArrayError};
-use crate::entity::Entity;
+use crate::entity::{Ending, Entity};
 use crate::math::{CellId, Position};
 use crate::motion::MotionError;
 use crate::physics::attachment::LEAVING_MASK;
@@ -13,7 +13,7 @@ use crate::profile::DestroyOrder;
 use crate::world::World;
 
 /// Placement frame that every new object gets: resting.
-const RESTING: i32 = 0x65;
+pub(super) const RESTING: i32 = 0x65;
 
 impl World {
     /// Makes an object from a data id, under a GUID, outside the world and not yet in the object table (`makeObject`; N-20 with a movement
@@ -31,6 +31,7 @@ impl World {
     ) -> Result<EntityId, PartArrayError> {
         let mut entity = self.entities.create(guid, self.clock.now);
         entity.body.state.set(PhysicsState::STATIC, !dynamic);
+        entity.unposed = self.plan.as_ref().is_some_and(|p| p.omits_pose(guid));
         let id = entity.id;
         match entity.init_part_array(data_id, self) {
             Err(error) if !self.profile.failed_creation_kept => return Err(error),
@@ -41,8 +42,14 @@ impl World {
         Ok(id)
     }
 
-    /// Ends an entity's life in the world (`DestroyObject`, G4; O-51). The object goes on existing outside world and object table.
+    /// Ends an entity's life in the world (`DestroyObject`, G4; O-51). The object goes on existing outside world and object table. One that
+    /// is taken out, because something is being done to it, leaves the object table now and the rest when it is put back.
     pub fn destroy_entity(&mut self, id: EntityId) {
+        if self.entities.is_out(id) {
+            self.forget(id);
+            self.entities.end_later(id, Ending::Destroyed);
+            return;
+        }
         let order = self.profile.destroy_order;
         self.with_entity(id, |entity, world| match order {
             DestroyOrder::LeaveThenExit => {
@@ -67,6 +74,29 @@ impl World {
         }
     }
 
+    /// Ends an entity's life and existence: it lets go of its parent and children, is [destroyed](World::destroy_entity), and is gone.
+    pub fn delete_entity(&mut self, id: EntityId) {
+        if self.entities.is_out(id) {
+            self.forget(id);
+            self.entities.end_later(id, Ending::Deleted);
+            return;
+        }
+        self.with_entity(id, |entity, world| {
+            entity.unset_parent(world);
+            entity.unparent_children(world);
+        });
+        self.destroy_entity(id);
+        self.entities.remove(id);
+    }
+
+    /// Lost entities whose cell was loaded meanwhile re-enter (G7), in the order in which the cells came. One that finds no room keeps its
+    /// place outside all cells.
+    pub fn readmit_lost(&mut self) {
+        for id in self.lost.take_arrived() {
+            self.with_entity(id, |entity, world| entity.reenter_visibility(world));
+        }
+    }
+
     /// The entities that are due for deletion without a message: out of sight for 25 s (G7).
     pub fn due_for_destruction(&mut self) -> Vec<EntityId> {
         self.doomed.due(self.clock.now)
@@ -75,7 +105,11 @@ impl World {
 
 impl Entity {
     /// Gives the object its parts (`InitPartArrayObject`).
-    fn init_part_array(&mut self, data_id: u32, world: &mut World) -> Result<(), PartArrayError> {
+    pub(super) fn init_part_array(
+        &mut self,
+        data_id: u32,
+        world: &mut World,
+    ) -> Result<(), PartArrayError> {
         let (resources, profile) = (&mut world.resources, &world.profile);
         let shown_only = data_id >> 24 == 0 && data_id != 0;
         let parts = match data_id >> 24 {
@@ -110,7 +144,7 @@ impl Entity {
         if scripted {
             self.body.state.insert(PhysicsState::HAS_DEFAULT_SCRIPT);
         }
-        if animated || scripted {
+        if (animated || scripted) && !world.static_animations.contains(&self.id) {
             world.static_animations.push(self.id);
         }
     }

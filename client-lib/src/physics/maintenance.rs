@@ -11,7 +11,9 @@ const DESTRUCTION_TIME: f64 = 25.0;
 /// Objects whose cell is not loaded, by cell id.
 #[derive(Debug, Clone, Default)]
 pub struct LostCells {
-    cells: BTreeMap<CellId, Vec<EntityId>>,
+    pub(crate) cells: BTreeMap<CellId, Vec<EntityId>>,
+    /// Objects whose cell was loaded and who have not re-entered yet, in the order in which the cells came.
+    pub(crate) arrived: Vec<EntityId>,
 }
 
 impl LostCells {
@@ -23,6 +25,7 @@ impl LostCells {
 
     /// Takes an object off whatever list it is on.
     pub fn remove(&mut self, entity: EntityId) {
+        self.arrived.retain(|&e| e != entity);
         if self.cells.is_empty() {
             return;
         }
@@ -32,21 +35,41 @@ impl LostCells {
         });
     }
 
-    /// The objects that waited for a cell, which was loaded: each is to get `reenter_visibility`.
-    pub fn take(&mut self, cell: CellId) -> Vec<EntityId> {
-        self.cells.remove(&cell).unwrap_or_default()
+    /// A landblock was loaded (any of its outdoor cells stands for all of them) or an indoor cell: who waited for it is to re-enter.
+    pub fn arrive(&mut self, cell: CellId) {
+        if self.cells.is_empty() {
+            return;
+        }
+        let cells = if cell.is_indoor() && cell.low() != 0xFFFF {
+            cell..=cell
+        } else {
+            cell.with_low(1)..=cell.with_low(0x40)
+        };
+        let found: Vec<CellId> = self.cells.range(cells).map(|(&id, _)| id).collect();
+        for id in found {
+            self.arrived
+                .extend(self.cells.remove(&id).into_iter().flatten());
+        }
+    }
+
+    /// Takes off the objects whose cell was loaded: each is to get `reenter_visibility`.
+    pub fn take_arrived(&mut self) -> Vec<EntityId> {
+        std::mem::take(&mut self.arrived)
     }
 
     /// Whether an object is lost.
     pub fn contains(&self, entity: EntityId) -> bool {
-        self.cells.values().any(|list| list.contains(&entity))
+        self.cells
+            .values()
+            .chain([&self.arrived])
+            .any(|list| list.contains(&entity))
     }
 }
 
 /// Objects out of sight and when they are due, s.
 #[derive(Debug, Clone, Default)]
 pub struct DestructionQueue {
-    due: BTreeMap<EntityId, f64>,
+    pub(crate) due: BTreeMap<EntityId, f64>,
 }
 
 impl DestructionQueue {

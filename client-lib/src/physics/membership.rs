@@ -172,6 +172,38 @@ impl Entity {
         });
     }
 
+    /// Puts an object that is in no more than one cell (examination and particle objects) into a cell, or into none: at home there, and one
+    /// shadow there (`AddObjectToSingleCell`, `spec/03-cells.md`, 8.21). An object without a part array cannot be in a cell. Which cells draw
+    /// its parts is not kept, so [its parts](crate::animation::PartArray::set_parts) need no entering of their own.
+    pub fn add_to_single_cell(&mut self, cell: Option<CellHandle>, world: &mut World) {
+        if cell.is_some() && self.body.cell == cell {
+            return;
+        }
+        if self.body.cell.is_some() {
+            self.remove_from_single_cell(world);
+        }
+        self.change_cell(cell, world);
+        self.remove_shadows_from_cells(world);
+        if let Some(cell) = self.body.cell {
+            let id = world.land.cell_id(cell);
+            self.add_shadow(
+                CellArrayEntry {
+                    id,
+                    cell: Some(cell),
+                },
+                world,
+            );
+        }
+    }
+
+    /// Takes such an object out of its cell (`RemoveObjectFromSingleCell`).
+    pub fn remove_from_single_cell(&mut self, world: &mut World) {
+        self.leave_cell(true, world);
+        self.set_cell_id(CellId::NONE);
+        self.body.cell = None;
+        self.remove_shadows_from_cells(world);
+    }
+
     /// Whether the object has a cell and all its shadows are in lists.
     pub fn is_completely_visible(&self) -> bool {
         self.body.cell.is_some()

@@ -30,6 +30,7 @@ mod other_updates;
 pub mod placement;
 #[cfg(test)]
 mod rest_tests;
+mod special_objects;
 pub mod state;
 mod state_change;
 #[cfg(test)]

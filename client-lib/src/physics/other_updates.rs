@@ -27,6 +27,7 @@ impl World {
                 object.animate(self.clock.now, &self.profile);
             }
         }
+        self.end_planned_animations();
     }
 }
 
@@ -78,7 +79,7 @@ impl StaticObject {
     ///
     /// Of the hooks, those that change what is collided with are executed: passable or not (without the test for room: nothing would try
     /// again), and rotation.
-    fn animate(&mut self, now: f64, profile: &Profile) {
+    pub(crate) fn animate(&mut self, now: f64, profile: &Profile) {
         if self.body.cell.is_none() {
             return;
         }

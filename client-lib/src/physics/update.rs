@@ -59,8 +59,16 @@ impl Quantum {
 impl World {
     /// Advances one entity to the present frame time (`update_object`, B3).
     pub fn update_entity<P: Probe>(&mut self, id: EntityId, probe: &mut P) {
-        let culls = self.profile.distance_culling && self.local_player.is_some();
-        if !culls && let Some(clock) = self.entities.resting_since(id) {
+        if !self.is_put_off(id) {
+            self.advance(id, probe);
+        }
+    }
+
+    /// Advances one entity to the present frame time, whatever the plan says.
+    pub(crate) fn advance<P: Probe>(&mut self, id: EntityId, probe: &mut P) {
+        if let Some(clock) = self.entities.resting_since(id)
+            && self.goes_on_resting(id, clock)
+        {
             let clock = self.pass_time(clock);
             self.entities.rest(id, clock);
             return;
@@ -68,12 +76,61 @@ impl World {
         let Some(mut entity) = self.entities.take(id) else {
             return;
         };
+        let before = self.stance(&entity);
         entity.update_object(self, probe);
+        if let Some(before) = before {
+            self.consider_idle(&entity, before);
+        }
         let (rests, clock) = (entity.rests(), entity.kin.update_time);
         self.entities.put(entity);
-        if rests && !culls {
+        if rests {
             self.entities.rest(id, clock);
         }
+        self.end_what_waits();
+    }
+
+    /// Whether nothing wakes a resting object up. Without culling nothing does; with it, only an object out of the player's reach, or a
+    /// static one, goes on resting, and its distance is kept up to date (B3 step 2).
+    #[inline]
+    fn goes_on_resting(&mut self, id: EntityId, clock: f64) -> bool {
+        let Some(player) = self.culling_player() else {
+            return true;
+        };
+        let dropped = self.profile.tiny_gap_dropped && self.clock.now - clock < f64::from(EPSILON);
+        if dropped {
+            // The update ends before it comes to culling.
+            return true;
+        }
+        let Some(own) = self.entities.get(id) else {
+            return false;
+        };
+        let vector = self.vector_from_player(player, id, &own.body.position);
+        let distance = vector.length();
+        let is_static = own.body.state.contains(PhysicsState::STATIC);
+        let rests = is_static || self.is_culled(distance);
+        if rests {
+            self.entities.see_from_player(id, vector, distance);
+        }
+        rests
+    }
+
+    /// The player from whom objects are culled, if they are at all.
+    #[inline]
+    fn culling_player(&self) -> Option<EntityId> {
+        self.local_player.filter(|_| self.profile.distance_culling)
+    }
+
+    fn is_culled(&self, distance: f32) -> bool {
+        distance > CULL_DISTANCE && self.culling_enabled
+    }
+
+    /// Vector, m, from the player to an object at a place; zero for the player itself and without one.
+    fn vector_from_player(&self, player: EntityId, id: EntityId, place: &Position) -> Vec3 {
+        if player == id {
+            return Vec3::ZERO;
+        }
+        self.entity(player)
+            .map_or(Vec3::ZERO, |p| p.body.position.offset_to(place))
     }
 
     /// What the update of an object does to its clock, s, while no quantum does anything (B3 steps 1 and 3 to 7).
@@ -166,20 +223,12 @@ impl Entity {
 
     /// Objects far from the local player rest, near ones wake up (B3 step 2; O-52).
     fn cull_by_distance(&mut self, world: &World) {
-        let player = match world.local_player {
-            Some(player) if world.profile.distance_culling => player,
-            _ => return,
+        let Some(player) = world.culling_player() else {
+            return;
         };
-        let own = &self.body.position;
-        self.player_vector = if player == self.id {
-            Vec3::ZERO
-        } else {
-            world
-                .entity(player)
-                .map_or(Vec3::ZERO, |p| p.body.position.offset_to(own))
-        };
+        self.player_vector = world.vector_from_player(player, self.id, &self.body.position);
         self.player_distance = self.player_vector.length();
-        if self.player_distance > CULL_DISTANCE && world.culling_enabled {
+        if world.is_culled(self.player_distance) {
             self.kin.transient.remove(TransientState::ACTIVE);
         } else {
             self.set_active(true, world);
@@ -244,46 +293,16 @@ impl Entity {
         let hidden = self.body.state.contains(PhysicsState::HIDDEN);
         let mut offset = Frame::IDENTITY;
         if !hidden {
-            observe(
-                self,
-                world,
-                probe,
-                TickStage::Animation,
-                quantum.narrow,
-                StageData::Offset(&offset),
-                Side::Before,
-            );
-            self.animate(&mut offset, quantum.narrow, &world.profile);
-            observe(
-                self,
-                world,
-                probe,
-                TickStage::Animation,
-                quantum.narrow,
-                StageData::Offset(&offset),
-                Side::After,
-            );
+            let stage = (TickStage::Animation, quantum.narrow);
+            self.staged_offset(stage, &mut offset, world, probe, |e, offset, world| {
+                e.animate(offset, quantum.narrow, &world.profile);
+            });
         }
         if self.position_manager.is_some() {
-            observe(
-                self,
-                world,
-                probe,
-                TickStage::Adjust,
-                quantum.narrow,
-                StageData::Offset(&offset),
-                Side::Before,
-            );
-            self.adjust_offset(&mut offset, quantum.wide, world);
-            observe(
-                self,
-                world,
-                probe,
-                TickStage::Adjust,
-                quantum.narrow,
-                StageData::Offset(&offset),
-                Side::After,
-            );
+            let stage = (TickStage::Adjust, quantum.narrow);
+            self.staged_offset(stage, &mut offset, world, probe, |e, offset, world| {
+                e.adjust_offset(offset, quantum.wide, world);
+            });
         }
         let mut frame = self.body.position.frame.combine(&offset, &world.profile);
         if !hidden {
@@ -322,27 +341,42 @@ impl Entity {
             );
         }
         if self.has_hooks() {
-            observe(
-                self,
-                world,
-                probe,
-                TickStage::Hooks,
-                quantum.narrow,
-                StageData::None,
-                Side::Before,
-            );
-            self.process_hooks(world);
-            observe(
-                self,
-                world,
-                probe,
-                TickStage::Hooks,
-                quantum.narrow,
-                StageData::None,
-                Side::After,
-            );
+            let stage = (TickStage::Hooks, quantum.narrow);
+            self.staged(stage, StageData::None, world, probe, Self::process_hooks);
         }
         frame
+    }
+
+    /// Runs a stage of a quantum between the looks of a probe; the same passes through before and after.
+    #[inline(always)]
+    fn staged<P: Probe>(
+        &mut self,
+        (stage, quantum): (TickStage, f32),
+        data: StageData<'_>,
+        world: &mut World,
+        probe: &mut P,
+        work: impl FnOnce(&mut Self, &mut World),
+    ) {
+        observe(self, world, probe, stage, quantum, data, Side::Before);
+        work(self, world);
+        observe(self, world, probe, stage, quantum, data, Side::After);
+    }
+
+    /// As [`Entity::staged`], for stages that change the offset.
+    #[inline(always)]
+    fn staged_offset<P: Probe>(
+        &mut self,
+        (stage, quantum): (TickStage, f32),
+        offset: &mut Frame,
+        world: &mut World,
+        probe: &mut P,
+        work: impl FnOnce(&mut Self, &mut Frame, &mut World),
+    ) {
+        let data = StageData::Offset(offset);
+        observe(self, world, probe, stage, quantum, data, Side::Before);
+        work(self, offset, world);
+        let data = StageData::Offset(offset);
+        observe(self, world, probe, stage, quantum, data, Side::After);
     }
 
     /// Advances the animation; its root motion counts on walkable ground only (B5 step 2).
@@ -436,25 +470,10 @@ impl Entity {
             kind: CommitKind::Transition,
             frame: wanted,
         };
-        observe(
-            self,
-            world,
-            probe,
-            TickStage::Commit,
-            quantum,
-            data,
-            Side::Before,
-        );
-        self.take_transit(result, quantum, world);
-        observe(
-            self,
-            world,
-            probe,
-            TickStage::Commit,
-            quantum,
-            data,
-            Side::After,
-        );
+        let stage = (TickStage::Commit, quantum);
+        self.staged(stage, data, world, probe, |e, world| {
+            e.take_transit(result, quantum, world);
+        });
     }
 
     /// Moves to where a transition of `quantum` s ended (B4 step 6b; C2).
@@ -478,25 +497,10 @@ impl Entity {
             kind,
             frame: &wanted,
         };
-        observe(
-            self,
-            world,
-            probe,
-            TickStage::Commit,
-            quantum,
-            data,
-            Side::Before,
-        );
-        self.keep_place(wanted, kind, world);
-        observe(
-            self,
-            world,
-            probe,
-            TickStage::Commit,
-            quantum,
-            data,
-            Side::After,
-        );
+        let stage = (TickStage::Commit, quantum);
+        self.staged(stage, data, world, probe, |e, world| {
+            e.keep_place(wanted, kind, world);
+        });
     }
 
     /// Keeps the origin and takes the rotation of the wanted frame: every kind of commit but that of a transition (B4 steps 6 and 7).
@@ -536,25 +540,8 @@ impl Entity {
         if !runs {
             return;
         }
-        observe(
-            self,
-            world,
-            probe,
-            TickStage::Motion,
-            quantum.narrow,
-            StageData::None,
-            Side::Before,
-        );
-        self.run_managers(world);
-        observe(
-            self,
-            world,
-            probe,
-            TickStage::Motion,
-            quantum.narrow,
-            StageData::None,
-            Side::After,
-        );
+        let stage = (TickStage::Motion, quantum.narrow);
+        self.staged(stage, StageData::None, world, probe, Self::run_managers);
     }
 
     /// The managers of one quantum, in the client's order.

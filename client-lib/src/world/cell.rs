@@ -5,9 +5,10 @@
 use std::sync::Arc;
 
 use super::terrain::WaterType;
+use super::{CellHandle, World};
 use crate::dat;
 use crate::math::{CellId, Plane, Position, Vec3};
-use crate::physics::body::{ObjectRef, StaticId};
+use crate::physics::body::{EntityId, ObjectRef, StaticId};
 use crate::physics::collision::CellShape;
 
 /// What all cells have: identity, and who is in or near them.
@@ -131,6 +132,59 @@ impl<'a> CellRef<'a> {
     /// Whether this is an indoor cell.
     pub fn is_indoor(self) -> bool {
         matches!(self, Self::Env(_))
+    }
+}
+
+impl World {
+    /// The object of a GUID in a loaded cell, or, outdoors, in the rooms behind the portals of the cell's building (`get_object`, 8.3): the first
+    /// in list order. Objects of the dat files have no GUID. Rooms that are not loaded hold nobody.
+    pub fn object_in_cell(&self, cell: CellHandle, guid: u32) -> Option<EntityId> {
+        if let Some(found) = self.at_home(cell, guid) {
+            return Some(found);
+        }
+        let building = self.land.land_cell(cell)?.cell.building?;
+        let portals = &self.land.static_object(building)?.portals;
+        let mut visited = Vec::new();
+        portals
+            .iter()
+            .find_map(|portal| self.object_behind(portal.other_cell, guid, &mut visited))
+    }
+
+    fn at_home(&self, cell: CellHandle, guid: u32) -> Option<EntityId> {
+        let objects = &self.land.cell(cell)?.base().objects;
+        objects.iter().find_map(|&object| match object {
+            ObjectRef::Entity(id) => self.entity(id).filter(|e| e.guid() == guid).map(|e| e.id),
+            ObjectRef::Static(_) => None,
+        })
+    }
+
+    /// Depth first through the portals, each room once.
+    fn object_behind(
+        &self,
+        room: CellId,
+        guid: u32,
+        visited: &mut Vec<CellId>,
+    ) -> Option<EntityId> {
+        let mut open = vec![room];
+        while let Some(id) = open.pop() {
+            if visited.contains(&id) {
+                continue;
+            }
+            visited.push(id);
+            let Some(cell) = self.land.loaded(id) else {
+                continue;
+            };
+            if let Some(found) = self.at_home(cell, guid) {
+                return Some(found);
+            }
+            let env = self.land.env_cell(cell);
+            let next = env.into_iter().flat_map(|env| env.portals.iter().rev());
+            open.extend(next.filter_map(|portal| match portal.target {
+                PortalTarget::Cell(next) => Some(next),
+                PortalTarget::Outside => None,
+            }));
+        }
+        None
     }
 }
 

@@ -147,7 +147,7 @@ impl<'w> Transition<'w> {
         let Some(body) = self.world.body(object) else {
             return TransitionState::Ok;
         };
-        if body.parent.is_some() || self.is_mover(object, body) {
+        if self.is_out_of_reach(body) || body.parent.is_some() || self.is_mover(object, body) {
             return TransitionState::Ok;
         }
         let state = self.find_obj_collisions(object, body);

@@ -8,6 +8,7 @@ use arrayvec::ArrayVec;
 use super::CellHandle;
 use super::cell::{BuildingPortal, CellRef, EnvCell, LandCellRef, PortalTarget};
 use super::landscape::{Landscape, Missing};
+use super::terrain::CELLS;
 use crate::animation::{PartArray, PhysicsPart};
 use crate::math::{
     BoundingBox, CELL_LENGTH, CellId, EPSILON, Frame, LandCoord, Plane, Position, Quat, Sidedness,
@@ -73,6 +74,9 @@ impl Landscape {
         profile: &Profile,
     ) -> CellListOutcome {
         array.start(profile);
+        if let Some(outcome) = self.single_outdoor_cell(at, array) {
+            return outcome;
+        }
         let mut list = Builder {
             land: self,
             profile,
@@ -82,6 +86,39 @@ impl Landscape {
         };
         list.find(at);
         list.outcome
+    }
+
+    /// The list of spheres that are well inside one outdoor cell of their own block in which no building stands: that cell alone. By far the
+    /// most frequent list; `None` for every other, with nothing changed.
+    fn single_outdoor_cell(
+        &self,
+        at: SpheresAt<'_>,
+        array: &mut CellArray,
+    ) -> Option<CellListOutcome> {
+        let start = at.position.cell;
+        let is_outdoors = start.low().wrapping_sub(1) < CELLS as u32;
+        if !is_outdoors || start.block_coord().is_none() || !array.cells.is_empty() {
+            return None;
+        }
+        let (first, rest) = at.spheres.split_first()?;
+        let index = inner_cell(first)?;
+        if rest.iter().any(|sphere| inner_cell(sphere) != Some(index)) {
+            return None;
+        }
+        let id = start.with_low(index as u32 + 1);
+        let handle = self.visible_land_cell(id, &mut Missing::default())?;
+        let land = self.land_cell(handle)?;
+        if land.cell.building.is_some() {
+            return None;
+        }
+        array.add_cell(id, Some(handle));
+        let contains = |point| land.block.terrain.find_terrain_poly(index, point).is_some();
+        Some(CellListOutcome {
+            current: at
+                .want_current
+                .then(|| contains(first.center).then_some(handle)),
+            ..CellListOutcome::default()
+        })
     }
 
     /// Cells that an object touches where it is (`calc_cross_cells`, 8.9, and `calc_cross_cells_static`, 8.10). Scale is not applied.
@@ -230,6 +267,19 @@ impl Transition<'_> {
             self.missing = missing.0.map(|demand| demand.cell);
         }
     }
+}
+
+/// The outdoor cell (0..64) of its block that a sphere (block coordinates) is well inside of, farther from the border than rounding can tell.
+#[inline]
+fn inner_cell(sphere: &Sphere) -> Option<usize> {
+    const MARGIN: f32 = 0.01;
+    let border = sphere.radius.abs() + MARGIN;
+    let column = |v: f32| {
+        let column = (v * (1.0 / CELL_LENGTH)) as u32;
+        let within = v - column as f32 * CELL_LENGTH;
+        (within > border && within < CELL_LENGTH - border && column < 8).then_some(column as usize)
+    };
+    Some(column(sphere.center.x)? * 8 + column(sphere.center.y)?)
 }
 
 /// Sorting sphere of an object, or what stands for it where there is no skeleton (`T-29`).

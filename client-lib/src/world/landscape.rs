@@ -20,11 +20,11 @@ const INDOOR: u32 = 0x8000_0000;
 /// Entry of the block tables: nobody asked yet.
 const UNKNOWN: u32 = 0;
 /// Entry of the block tables: there is no such block, or it cannot be read.
-const ABSENT: u32 = 1;
+pub(crate) const ABSENT: u32 = 1;
 /// Entries from here on are slots.
-const FIRST_SLOT: u32 = 2;
+pub(crate) const FIRST_SLOT: u32 = 2;
 /// Entry of a block's indoor list: there is no such cell, or its record cannot be read.
-const BROKEN: u32 = u32::MAX;
+pub(crate) const BROKEN: u32 = u32::MAX;
 /// Indoor cells that are noted as absent.
 const MAX_ABSENT_ROOMS: u32 = 1 << 16;
 /// Blocks of the largest possible id space, existing or not.
@@ -76,24 +76,26 @@ type Rooms = Vec<(u16, u32)>;
 /// Blocks, cells and static objects that are loaded.
 #[derive(Debug, Clone)]
 pub struct Landscape {
-    pub(super) source: Arc<dyn WorldSource>,
-    pub(super) heights: HeightTable,
+    pub(crate) source: Arc<dyn WorldSource>,
+    pub(crate) heights: HeightTable,
     /// By block number: slot in `blocks`.
-    block_table: Box<[u32]>,
-    blocks: Vec<Option<Box<LandBlock>>>,
-    free_blocks: Vec<u32>,
+    pub(crate) block_table: Box<[u32]>,
+    pub(crate) blocks: Vec<Option<Box<LandBlock>>>,
+    pub(crate) free_blocks: Vec<u32>,
     /// By block number: slot in `rooms`.
-    room_table: Box<[u32]>,
-    rooms: Vec<Rooms>,
-    env_cells: Vec<Option<Box<EnvCell>>>,
-    free_env_cells: Vec<u32>,
-    statics: Vec<Option<Box<StaticObject>>>,
-    free_statics: Vec<u32>,
-    absent_rooms: u32,
+    pub(crate) room_table: Box<[u32]>,
+    pub(crate) rooms: Vec<Rooms>,
+    pub(crate) env_cells: Vec<Option<Box<EnvCell>>>,
+    pub(crate) free_env_cells: Vec<u32>,
+    pub(crate) statics: Vec<Option<Box<StaticObject>>>,
+    pub(crate) free_statics: Vec<u32>,
+    pub(crate) absent_rooms: u32,
     /// Static objects with a default animation, in order of creation.
-    pub(super) animated_statics: Vec<StaticId>,
+    pub(crate) animated_statics: Vec<StaticId>,
     /// Some shadow records may name cells of released blocks.
-    pub(super) has_unlinked: bool,
+    pub(crate) has_unlinked: bool,
+    /// Only what was loaded on purpose is there: lookups find nothing missing.
+    pub(crate) window_only: bool,
 }
 
 impl Default for Landscape {
@@ -124,7 +126,16 @@ impl Landscape {
             absent_rooms: 0,
             animated_statics: Vec::new(),
             has_unlinked: false,
+            window_only: false,
         }
+    }
+
+    /// Where cells come from (`spec/03-cells.md`, 7): everything is there, loaded when it is first needed (the default, and what the
+    /// reconstructions do), or, `only` the window: what nobody has [loaded](super::World::load) is not there.
+    pub fn set_window_only(&mut self, only: bool) {
+        self.window_only = only;
+        // Records of cells that come later are to be linked then.
+        self.has_unlinked |= only;
     }
 
     /// The records that the map is loaded from.
@@ -152,13 +163,19 @@ impl Landscape {
         }
     }
 
-    fn visible_land_cell(&self, id: CellId, missing: &mut Missing) -> Option<CellHandle> {
+    #[inline]
+    pub(super) fn visible_land_cell(
+        &self,
+        id: CellId,
+        missing: &mut Missing,
+    ) -> Option<CellHandle> {
         let index = id.low().wrapping_sub(1);
         if index >= CELLS as u32 {
             return None;
         }
         match self.block_table[usize::from(id.block())] {
             ABSENT => None,
+            UNKNOWN if self.window_only => None,
             UNKNOWN => {
                 // Also for blocks without a record: the loader notes that they are absent, and they are not asked for again.
                 if id.block_coord().is_some() {
@@ -187,13 +204,13 @@ impl Landscape {
             Some(BROKEN) => None,
             Some(slot) => {
                 let cell = self.env_cells.get(slot as usize)?.as_deref()?;
-                if !cell.statics_made && !without_statics {
+                if !cell.statics_made && !without_statics && !self.window_only {
                     missing.note(demand);
                 }
                 Some(CellHandle(slot | INDOOR))
             }
             None => {
-                if id.low() <= 0xFFFD && self.may_exist(id) {
+                if id.low() <= 0xFFFD && !self.window_only && self.may_exist(id) {
                     missing.note(demand);
                 }
                 None
@@ -310,6 +327,20 @@ impl Landscape {
             .flatten()
             .filter(|&&(_, slot)| slot != BROKEN)
             .map(|&(_, slot)| CellHandle(slot | INDOOR))
+    }
+
+    /// Blocks (0xXXYYFFFF) and indoor cells that are loaded, in no order.
+    pub(crate) fn loaded_members(&self) -> impl Iterator<Item = u32> {
+        let rooms = self.env_cells.iter().filter_map(Option::as_deref);
+        self.blocks()
+            .map(|block| block.id.0)
+            .chain(rooms.map(|room| room.base.id.0))
+    }
+
+    /// Whether something of a block, by the upper half of its id, was asked for already.
+    pub(crate) fn has_loaded(&self, block: u16) -> bool {
+        let block = usize::from(block);
+        self.block_table[block] != UNKNOWN || self.room_table[block] != UNKNOWN
     }
 
     /// A loaded static object.

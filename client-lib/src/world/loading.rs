@@ -92,8 +92,18 @@ impl World {
 
     /// Loads one block or indoor cell and what its static objects reach. Afterwards the demand is met: what cannot be had counts as absent.
     pub fn load(&mut self, demand: Demand) {
+        if self.plan.is_some() {
+            self.load_planned(demand);
+        } else {
+            self.load_alone(demand);
+        }
+    }
+
+    /// As [`World::load`], without what a plan has put off.
+    pub(crate) fn load_alone(&mut self, demand: Demand) {
         let mut cells = std::mem::take(&mut self.loading_cells);
         let mut tasks = Vec::new();
+        let mut brought = vec![demand.cell];
         tasks.extend(self.begin(demand));
         while let Some(task) = tasks.last_mut() {
             let step = match task {
@@ -122,11 +132,16 @@ impl World {
                 Step::Done => {
                     tasks.pop();
                 }
-                Step::Needs(demand) => tasks.extend(self.begin(demand)),
+                Step::Needs(demand) => {
+                    brought.push(demand.cell);
+                    tasks.extend(self.begin(demand));
+                }
             }
         }
         self.loading_cells = cells;
-        self.relink_shadows(demand.cell);
+        for cell in brought {
+            self.relink_shadows(cell);
+        }
     }
 
     /// Brings the block or cell itself; what is left to do is the answer.
@@ -143,12 +158,26 @@ impl World {
 impl World {
     fn begin_block(&mut self, id: CellId) -> Option<Task> {
         let id = id.with_low(0xFFFF);
-        let source = Arc::clone(&self.land.source);
-        let record = self.resources.found(source.landblock(id));
-        let Some(record) = record.filter(|_| id.block_coord().is_some()) else {
+        let Some(block) = self.make_block(id) else {
             self.land.mark_block_absent(id);
             return None;
         };
+        self.land.insert_block(block);
+        self.lost.arrive(id);
+        self.init_buildings(id);
+        Some(Task::Block(BlockTask {
+            block: id,
+            next: 0,
+            scenery: None,
+            pending: None,
+        }))
+    }
+
+    /// A block with its terrain and outdoor cells, nothing in them; `id` has the cell part 0xFFFF. `None` if it has no record.
+    pub(crate) fn make_block(&mut self, id: CellId) -> Option<LandBlock> {
+        let source = Arc::clone(&self.land.source);
+        let record = self.resources.found(source.landblock(id));
+        let record = record.filter(|_| id.block_coord().is_some())?;
         let info = (record.has_info != 0)
             .then(|| self.resources.found(source.landblock_info(id)))
             .flatten();
@@ -161,7 +190,7 @@ impl World {
             &self.land.heights,
             &self.profile,
         );
-        self.land.insert_block(LandBlock {
+        Some(LandBlock {
             id,
             terrain,
             cells: (0..CELLS as u32).map(|i| land_cell(id, i)).collect(),
@@ -170,14 +199,7 @@ impl World {
             info_statics: 0,
             stab_list: Vec::new(),
             info,
-        });
-        self.init_buildings(id);
-        Some(Task::Block(BlockTask {
-            block: id,
-            next: 0,
-            scenery: None,
-            pending: None,
-        }))
+        })
     }
 
     /// The outdoor cell of a record's frame in its own block (12.3), with the frame that the object takes.
@@ -365,9 +387,10 @@ impl World {
         let cell = match self.land.loaded(id) {
             Some(cell) => cell,
             None => {
-                let record = self.resources.found(self.land.source.env_cell(id));
-                let made = record.and_then(|record| self.make_env_cell(id, record));
-                self.land.insert_env_cell(id, made)?
+                let made = self.make_room(id);
+                let cell = self.land.insert_env_cell(id, made)?;
+                self.lost.arrive(id);
+                cell
             }
         };
         let connected = self.profile.env_cell_statics == EnvCellStatics::ConnectedSet;
@@ -387,6 +410,12 @@ impl World {
                 pending: None,
             }
         })
+    }
+
+    /// An indoor cell without its static objects. `None` if its record or shape cannot be had.
+    pub(crate) fn make_room(&mut self, id: CellId) -> Option<EnvCell> {
+        let record = self.resources.found(self.land.source.env_cell(id))?;
+        self.make_env_cell(id, record)
     }
 
     fn make_env_cell(&mut self, id: CellId, record: Arc<dat::EnvCell>) -> Option<EnvCell> {
@@ -485,7 +514,8 @@ impl World {
         object.place(position, &self.profile);
         object.body.cell = Some(cell);
         object.update_time = self.clock.now;
-        let animated = object.body.state.contains(PhysicsState::HAS_DEFAULT_ANIM);
+        let animated = object.body.state.contains(PhysicsState::HAS_DEFAULT_ANIM)
+            && !self.leaves_still(&object);
         let id = self.land.insert_static(object);
         if animated {
             self.land.animated_statics.push(id);

@@ -11,6 +11,8 @@ mod cell_array;
 mod cell_collision;
 mod cell_list;
 mod dat_source;
+#[doc(hidden)]
+pub mod fuzzing;
 pub mod landscape;
 mod loading;
 mod random;
@@ -20,6 +22,7 @@ mod scratch;
 mod shadows;
 mod source;
 mod statics;
+mod streaming;
 pub mod terrain;
 pub mod window;
 #[allow(
@@ -38,6 +41,7 @@ pub use resources::{LoadError, Resources};
 pub use scratch::Scratch;
 pub use source::{Lookup, MemorySource, WorldSource};
 pub use statics::{StaticKind, StaticObject};
+pub use streaming::Streaming;
 pub use world::{CellHandle, Clock, World};
 
 #[cfg(test)]

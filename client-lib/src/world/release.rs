@@ -3,7 +3,6 @@
 //! What leaves memory can be loaded again when a lookup needs it. Shadow records that named its cells stay with their objects, unlinked, and
 //! are linked again when the cell is back.
 
-use super::cell::CellBase;
 use super::landscape::Landscape;
 use super::{CellHandle, World};
 use crate::math::CellId;
@@ -42,14 +41,56 @@ impl World {
         }
     }
 
-    /// `release_objects` (8.17) of one cell.
-    fn release_objects(&mut self, cell: CellHandle, lost: &mut Vec<EntityId>) {
-        let Some(CellBase {
-            shadows, objects, ..
-        }) = self.land.base_mut(cell).map(std::mem::take)
-        else {
+    /// Releases a landblock whose place nobody sees any more: entities at home in its cells leave visibility first (8.17, 8.19). They wait for
+    /// their cell and are due for deletion 25 s from now.
+    pub fn unload_block(&mut self, block: CellId) {
+        let rooms: Vec<CellHandle> = self.land.loaded_rooms(block).collect();
+        let outdoors = (1..=64).filter_map(|low| self.land.loaded(block.with_low(low)));
+        let cells: Vec<CellHandle> = outdoors.chain(rooms).collect();
+        for cell in cells {
+            self.clear_cell(cell);
+        }
+        self.release_block(block, &mut Vec::new());
+    }
+
+    /// Releases an indoor cell with its static objects; entities at home there leave visibility first. Nothing happens if it is not loaded.
+    pub fn unload_room(&mut self, room: CellId) {
+        let Some(cell) = self.land.loaded(room).filter(|_| room.is_indoor()) else {
             return;
         };
+        self.clear_cell(cell);
+        self.release_objects(cell, &mut Vec::new());
+        let statics = self.land.env_cell(cell).map(|env| env.statics.clone());
+        for id in statics.into_iter().flatten() {
+            self.destroy_static(id);
+        }
+        self.land.take_env_cell(cell);
+        self.land.has_unlinked = true;
+    }
+
+    /// Every entity at home in a cell leaves visibility, in list order; a carried one goes with its carrier.
+    fn clear_cell(&mut self, cell: CellHandle) {
+        let at_home = |world: &Self| {
+            let objects = &world.land.cell(cell)?.base().objects;
+            objects.iter().find_map(|&object| match object {
+                ObjectRef::Entity(id) => Some(id),
+                ObjectRef::Static(_) => None,
+            })
+        };
+        while let Some(id) = at_home(self) {
+            self.with_entity(id, |entity, world| entity.leave_visibility(world));
+            // An entity that does not know its cell must not stay in the list.
+            self.land.remove_object(cell, ObjectRef::Entity(id));
+        }
+    }
+
+    /// `release_objects` (8.17) of one cell.
+    fn release_objects(&mut self, cell: CellHandle, lost: &mut Vec<EntityId>) {
+        let Some(base) = self.land.base_mut(cell) else {
+            return;
+        };
+        let shadows = std::mem::take(&mut base.shadows);
+        let objects = std::mem::take(&mut base.objects);
         for object in shadows {
             if let Some(body) = self.body_mut(object) {
                 for entry in body.shadows.iter_mut().filter(|e| e.cell == Some(cell)) {
@@ -80,7 +121,7 @@ impl World {
 
     fn body_mut(&mut self, object: ObjectRef) -> Option<&mut Body> {
         match object {
-            ObjectRef::Entity(id) => Some(&mut self.entities.get_mut(id)?.body),
+            ObjectRef::Entity(id) => Some(&mut self.entity_mut(id)?.body),
             ObjectRef::Static(id) => self.land.static_body_mut(id),
         }
     }

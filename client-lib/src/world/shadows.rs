@@ -59,6 +59,19 @@ impl Landscape {
 }
 
 impl World {
+    /// Finds the cells that a static object touches and throws its shadows there (`calc_cross_cells_static`, 8.10).
+    pub(super) fn calc_cross_cells_static(&mut self, id: StaticId) {
+        let Some(body) = self.land.static_body(id).cloned() else {
+            return;
+        };
+        let mut cells = std::mem::take(&mut self.scratch.cells);
+        self.with_loading(|land, profile, missing| {
+            *missing = land.find_cells_of_body(&body, true, &mut cells, profile);
+        });
+        self.land.replace_static_shadows(id, &cells, &self.profile);
+        self.scratch.cells = cells;
+    }
+
     /// Cells that an object touches where it is, loading what is needed (`calc_cross_cells`, 8.9; the caller changes the shadows).
     pub fn cells_of_body(&mut self, body: &Body, cells: &mut CellArray) {
         self.with_loading(|land, profile, missing| {

@@ -34,10 +34,10 @@ pub struct LoadPlan {
 /// Landblocks around the load point.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LandscapeWindow {
-    radius: i32,
+    pub(crate) radius: i32,
     /// Index `x * width + y`, x eastwards; empty off the map. No entries: no window.
-    slots: Vec<Option<WindowBlock>>,
-    load_point: CellId,
+    pub(crate) slots: Vec<Option<WindowBlock>>,
+    pub(crate) load_point: CellId,
 }
 
 impl Default for LandscapeWindow {

@@ -6,6 +6,7 @@ use super::random::Random;
 use super::scratch::Scratch;
 use super::{Landscape, Resources, WorldSource};
 use crate::entity::Entities;
+use crate::frame::plan::ActivePlan;
 use crate::math::CellId;
 use crate::physics::body::EntityId;
 use crate::physics::maintenance::{DestructionQueue, LostCells};
@@ -45,10 +46,12 @@ pub struct World {
     pub lost: LostCells,
     /// Entities out of sight.
     pub doomed: DestructionQueue,
+    /// What is left out of the work, if anything is; see [`World::set_plan`].
+    pub plan: Option<Box<ActivePlan>>,
     /// Memory that is reused.
     pub scratch: Scratch,
     /// Scratch of the loader.
-    pub(super) loading_cells: CellArray,
+    pub(crate) loading_cells: CellArray,
 }
 
 /// The two clocks of the simulation (`spec/06-physics-object.md`, B2), seconds.
@@ -84,6 +87,7 @@ impl World {
             static_animations: Vec::new(),
             lost: LostCells::default(),
             doomed: DestructionQueue::default(),
+            plan: None,
             scratch: Scratch::default(),
         }
     }

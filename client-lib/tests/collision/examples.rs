@@ -196,3 +196,21 @@ fn placements_at_a_square() {
     assert_eq!(place(false, 0.1, &RETAIL), 0.5);
     assert_eq!(place(true, 0.1, &RETAIL), -0.5);
 }
+
+/// 04, 7.8: nothing depends on it, but it is there: the share of a movement that is left until a sphere touches a plane. The side is taken from
+/// the length of the movement, not from where the sphere is.
+#[test]
+fn times_of_touching_a_plane() {
+    let square = square();
+    let time =
+        |z: f32, movement: f32| square.touching_time(0.5, v(5.0, 5.0, z), v(0.0, 0.0, movement));
+    assert_eq!(time(0.4, -1.0), 1.0, "touches already");
+    assert_eq!(
+        square.touching_time(0.5, v(5.0, 5.0, 2.0), v(1.0, 0.0, 0.0)),
+        0.0
+    );
+    assert_eq!(time(2.0, -3.0), 0.5);
+    // A movement not longer than the radius aims at the other side.
+    assert_eq!(time(2.0, -0.5), 5.0);
+    assert_eq!(time(-2.0, 2.0), 1.25);
+}

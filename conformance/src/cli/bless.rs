@@ -1,99 +1,221 @@
 //! `ac-conform bless`.
 
-use std::{fs, process::ExitCode};
-
-use ac_golden_traces::corpus;
-use ac_replayer::Simulator;
-use miette::{IntoDiagnostic, WrapErr, miette};
-
-use super::{
-    DIFFERS, emit,
-    run::{bundled_baseline, progress},
+use std::{
+    io::{BufRead, IsTerminal, Write},
+    path::PathBuf,
+    process::ExitCode,
 };
-use crate::run::{
-    self, Mode, Options,
-    baseline::{Baseline, Known},
-    cases,
+
+use ac_replayer::Simulator;
+use globset::{Glob, GlobSet, GlobSetBuilder};
+use miette::{IntoDiagnostic, miette};
+use rayon::prelude::*;
+
+use super::{COULD_NOT_RUN, DIFFERS, emit, run::progress};
+use crate::{
+    bless::{self, Change, human, write},
+    run::{SELF, cases},
 };
 
 /// Arguments of `ac-conform bless`.
 #[derive(clap::Args)]
+#[command(
+    after_help = "Shows, scene by scene, in which fields the library's own profile `retail` no longer does what its expectation \
+    (oracle `self`) says, and writes the new expectation of those that are accepted: by answering on a terminal, or with --accept.\n\n\
+    Expectations of oracles are never written: they are what somebody else computed. To go on with a known divergence from an \
+    oracle, see `ac-conform baseline`.\n\n\
+    Exit codes:\n  0  nothing changes, or everything that changes was accepted\n  1  something changes and was not accepted\n  \
+    2  something could not run"
+)]
 pub struct Args {
-    /// Why the new divergences are accepted; goes into each new entry.
+    /// Traces (`*.mcap`), scenes (`*.scene.json`), or folders of them. Default: the bundled traces.
+    pub(super) paths: Vec<PathBuf>,
+    /// Folder of the worlds. Default: `worlds` in a given folder, else the bundled worlds.
     #[arg(long)]
-    reason: Option<String>,
-    /// Write the baseline. Without it, what would change is shown only.
-    #[arg(long)]
-    yes: bool,
+    pub(super) worlds: Option<PathBuf>,
+    /// Accept the changes of scenes with this name, like `jump/*`; `*` is all. May be given more than once.
+    #[arg(long, value_name = "GLOB")]
+    accept: Vec<String>,
+    /// Folder for expectations of scenes that have none yet. Default for the bundled traces: `golden-traces/self`.
+    #[arg(long, value_name = "DIR")]
+    into: Option<PathBuf>,
+    /// Whose expectations: only `self` can be blessed.
+    #[arg(long, default_value = SELF)]
+    oracle: String,
 }
 
-/// The comment in front of the entries.
-const HEAD: &str = "# Divergences that are known and accepted, each with its reason. `ac-conform run` fails on any other.\n\
-    # `ac-conform bless` shows and takes in changes. `frame` and `field` say where the first difference may be: later frames may\n\
-    # differ anywhere, earlier ones may not. Without `guid` an entry is for every entity of the scene.\n\n";
-
-/// Shows what changes in the baseline, and writes it if told so; exit code 1 when changes are shown and not written.
+/// Shows what changes and writes what is accepted.
 ///
 /// # Errors
-/// When the traces cannot be run, a reason is missing, or the baseline cannot be read or written.
+/// When nothing can be run or written, or another oracle than `self` is named.
 pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
-    let path = bundled_baseline();
-    let before = if path.is_file() {
-        Baseline::open(&path).into_diagnostic()?
-    } else {
-        Baseline::default()
-    };
-    let cases = cases::find(&[corpus::bundled().join("traces")], None, None).into_diagnostic()?;
-    let options = Options {
-        modes: Mode::ALL.into(),
-        oracle: None,
-        profile: None,
-        series: false,
-    };
-    let bar = progress(cases.len() as u64);
-    let outcome = run::run(simulator, &cases, &options, || bar.inc(1));
-    bar.finish_and_clear();
-    if let Some(error) = outcome.errors.first() {
-        return Err(miette!("{error}"));
-    }
-    let after = before.blessed(&outcome.results, args.reason.as_deref().unwrap_or("?"));
-    let gone = before
-        .known
-        .iter()
-        .filter(|known| !after.known.contains(known));
-    let new: Vec<&Known> = after
-        .known
-        .iter()
-        .filter(|known| !before.known.contains(known))
-        .collect();
-    let mut text: String = gone.map(|known| line('-', known)).collect();
-    text.extend(new.iter().map(|known| line('+', known)));
-    emit(&text)?;
-    if text.is_empty() {
-        return emit("the baseline is as it should be\n").map(|()| ExitCode::SUCCESS);
-    }
-    if !args.yes {
-        return emit("nothing written; --yes writes it\n").map(|()| ExitCode::from(DIFFERS));
-    }
-    if args.reason.is_none() && !new.is_empty() {
+    if args.oracle != SELF {
         return Err(miette!(
-            help = "say why they are accepted with --reason",
-            "{} new divergences have no reason",
-            new.len()
+            help = "if the library is wrong, mend it; if the divergence has to stay for now, say why with `ac-conform baseline --reason`",
+            "the expectations of oracle `{}` cannot be blessed: they are what an independent reconstruction computed, not what \
+             this library happens to do",
+            args.oracle
         ));
     }
-    let toml = toml::to_string(&after).into_diagnostic()?;
-    let context = || format!("cannot write {}", path.display());
-    fs::write(&path, format!("{HEAD}{toml}"))
-        .into_diagnostic()
-        .wrap_err_with(context)?;
-    Ok(ExitCode::SUCCESS)
+    let accept = globs(&args.accept)?;
+    let cases = cases::find_or_bundled(&args.paths, None, None).into_diagnostic()?;
+    let into = args
+        .into
+        .clone()
+        .or_else(|| args.paths.is_empty().then(bless::bundled));
+    let bar = progress(cases.len() as u64);
+    let collected = bless::collect(simulator, &cases, into.as_deref(), || bar.inc(1));
+    bar.finish_and_clear();
+    for error in &collected.errors {
+        eprintln!("could not run: {error}");
+    }
+    let terminal = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
+    let accepted = if args.accept.is_empty() && terminal {
+        ask(
+            &collected.changes,
+            &mut std::io::stdin().lock(),
+            &mut std::io::stderr(),
+        )
+        .into_diagnostic()?
+    } else {
+        for change in &collected.changes {
+            emit(&human(change))?;
+        }
+        let changes = collected.changes.iter();
+        changes
+            .filter(|change| accept.is_match(&change.scene))
+            .collect()
+    };
+    let worlds = super::worlds_of(args.worlds.as_deref(), &args.paths);
+    accepted
+        .par_iter()
+        .try_for_each(|change| write::write(simulator, &worlds, change))
+        .into_diagnostic()?;
+    if args.paths.is_empty() {
+        write::update_hashes(simulator, &accepted).into_diagnostic()?;
+    }
+    let left = collected.changes.len() - accepted.len();
+    emit(&last_line(collected.scenes, accepted.len(), left))?;
+    Ok(if !collected.errors.is_empty() {
+        ExitCode::from(COULD_NOT_RUN)
+    } else if left > 0 {
+        ExitCode::from(DIFFERS)
+    } else {
+        ExitCode::SUCCESS
+    })
 }
 
-fn line(sign: char, known: &Known) -> String {
-    let guid = known.guid.as_deref().unwrap_or("every entity");
-    format!(
-        "{sign} {} {} {} {guid}: frame {} {} ({})\n",
-        known.scene, known.oracle, known.mode, known.frame, known.field, known.reason
-    )
+fn last_line(scenes: usize, accepted: usize, left: usize) -> String {
+    let mut text = format!("{scenes} scenes, {accepted} written, {left} changed and not written");
+    if left > 0 {
+        text += "; --accept GLOB accepts, like --accept 'jump/*'";
+    }
+    text + "\n"
+}
+
+fn globs(patterns: &[String]) -> miette::Result<GlobSet> {
+    let mut set = GlobSetBuilder::new();
+    for pattern in patterns {
+        set.add(Glob::new(pattern).into_diagnostic()?);
+    }
+    set.build().into_diagnostic()
+}
+
+/// Shows each change and asks. The end of the input is a no to everything that is left.
+fn ask<'a>(
+    changes: &'a [Change],
+    input: &mut dyn BufRead,
+    out: &mut dyn Write,
+) -> std::io::Result<Vec<&'a Change>> {
+    let mut accepted = Vec::new();
+    let mut rest = None;
+    for (index, change) in changes.iter().enumerate() {
+        if rest == Some(false) {
+            break;
+        }
+        write!(out, "[{}/{}] {}", index + 1, changes.len(), human(change))?;
+        if rest.is_none() {
+            rest = question(change, input, out, &mut accepted)?;
+        }
+        if rest == Some(true) {
+            accepted.push(change);
+        }
+    }
+    Ok(accepted)
+}
+
+/// Asks for one change. The answer is `Some` if it is for all that follow too.
+fn question<'a>(
+    change: &'a Change,
+    input: &mut dyn BufRead,
+    out: &mut dyn Write,
+    accepted: &mut Vec<&'a Change>,
+) -> std::io::Result<Option<bool>> {
+    loop {
+        write!(
+            out,
+            "accept {}? [y]es, [n]o, [a]ll from here, [q]uit: ",
+            change.scene
+        )?;
+        out.flush()?;
+        let mut answer = String::new();
+        if input.read_line(&mut answer)? == 0 {
+            writeln!(out)?;
+            return Ok(Some(false));
+        }
+        match answer.trim() {
+            "y" | "yes" => {
+                accepted.push(change);
+                return Ok(None);
+            }
+            "n" | "no" => return Ok(None),
+            "a" | "all" => return Ok(Some(true)),
+            "q" | "quit" => return Ok(Some(false)),
+            _ => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{bless::Difference, run::Case};
+
+    fn answers(text: &str) -> (Vec<String>, String) {
+        let changes = ["a/one", "a/two", "b/three"].map(|scene| Change {
+            scene: scene.into(),
+            case: Case::Trace("x.mcap".into()),
+            target: "x.mcap".into(),
+            new: true,
+            difference: Difference {
+                frames: 2,
+                ..Difference::default()
+            },
+        });
+        let mut out = Vec::new();
+        let accepted = ask(&changes, &mut text.as_bytes(), &mut out).unwrap();
+        let names = accepted.iter().map(|change| change.scene.clone()).collect();
+        (names, String::from_utf8(out).unwrap())
+    }
+
+    #[test]
+    fn answers_are_for_one_or_for_all_that_follow() {
+        assert_eq!(answers("y\nn\ny\n").0, ["a/one", "b/three"]);
+        assert_eq!(answers("n\na\n").0, ["a/two", "b/three"]);
+        assert_eq!(answers("y\nq\n").0, ["a/one"]);
+        assert_eq!(answers("y\n").0, ["a/one"], "the input ends");
+        insta::assert_snapshot!(answers("what\nn\nq\n").1, @r"
+        [1/3] a/one: 2 frames, no expectation of its own yet
+        accept a/one? [y]es, [n]o, [a]ll from here, [q]uit: accept a/one? [y]es, [n]o, [a]ll from here, [q]uit: [2/3] a/two: 2 frames, no expectation of its own yet
+        accept a/two? [y]es, [n]o, [a]ll from here, [q]uit: 
+        ");
+    }
+
+    #[test]
+    fn a_star_is_every_scene() {
+        let set = globs(&["*".into()]).unwrap();
+        assert!(set.is_match("jump/high"));
+        assert!(!globs(&["jump/*".into()]).unwrap().is_match("clock/zero"));
+        assert!(!globs(&[]).unwrap().is_match("clock/zero"));
+    }
 }

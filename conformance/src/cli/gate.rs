@@ -7,10 +7,7 @@ use miette::{IntoDiagnostic, WrapErr};
 use super::{COULD_NOT_RUN, DIFFERS, Format, emit};
 use crate::{
     gate::{Document, output},
-    run::{
-        baseline::Baseline,
-        report::{Totals, human},
-    },
+    run::baseline::Baseline,
 };
 
 /// The exit codes, for `--help`.
@@ -45,11 +42,7 @@ impl Outputs {
         format: Format,
     ) -> miette::Result<ExitCode> {
         match format {
-            Format::Human => {
-                let totals = Totals::of(&document.results, baseline);
-                emit(&human(&document.results, &totals, baseline))?;
-                emit(&output::human(document, baseline))?;
-            }
+            Format::Human => emit(&output::human(document, baseline))?,
             Format::Json => emit(&document.json(baseline).into_diagnostic()?)?,
         }
         if let Some(path) = &self.junit {

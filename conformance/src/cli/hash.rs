@@ -21,8 +21,8 @@ use crate::{
 #[derive(clap::Args)]
 pub struct Args {
     /// Traces (`*.mcap`), scenes (`*.scene.json`), or folders of them. Default: the bundled traces.
-    paths: Vec<PathBuf>,
-    /// Folder of the worlds. Default: the bundled worlds.
+    pub(super) paths: Vec<PathBuf>,
+    /// Folder of the worlds. Default: `worlds` in a given folder, else the bundled worlds.
     #[arg(long)]
     pub(super) worlds: Option<PathBuf>,
     /// Behaviour to run under.

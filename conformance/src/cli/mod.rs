@@ -3,17 +3,26 @@
 //! Exit codes of every command: 0 = nothing is wrong; 1 = something differs; 2 = it could not run (the message says what,
 //! where, and what to do).
 
+mod baseline;
+mod bisect;
 mod bless;
 mod gate;
 mod hash;
 mod import;
 mod merge;
+mod precision;
 mod run;
 mod sensitivity;
+mod shrink;
+mod stability;
 mod status;
 mod vectors;
 
-use std::{io::Write, path::Path, process::ExitCode};
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 use ac_golden_traces::corpus;
 use ac_replayer::client::ClientSimulator;
@@ -40,7 +49,11 @@ struct Cli {
 enum Command {
     /// Run scenes through the client library and compare every frame with what the oracles expect.
     Run(run::Args),
-    /// Take the divergences of the bundled traces into the baseline, after showing what changes in it.
+    /// Take divergences of the bundled traces from oracles into the baseline, after showing what changes in it.
+    Baseline(baseline::Args),
+    /// Find the commit that changed what a trace says, and the frame, stage and field in which the change begins.
+    Bisect(bisect::Args),
+    /// Show what changes in the library's own expectations (oracle `self`), and take it in.
     Bless(bless::Args),
     /// Print one state hash per scene, or check them against a file: were the same bits computed?
     Hash(hash::Args),
@@ -48,8 +61,14 @@ enum Command {
     Import(import::Args),
     /// Find the numbered differences between reconstructions that each scene is sensitive to, by setting one at a time.
     Sensitivity(sensitivity::Args),
+    /// Make a scene that diverges as small as it can be, with a world of its own.
+    Shrink(shrink::Args),
     /// Put the results of all shards of a run together and judge them as one.
     Merge(merge::Args),
+    /// Measure what each choice of fidelity costs and what error it makes.
+    Precision(precision::Args),
+    /// Check stiff and extreme cases, rules that must always hold, and what small changes grow to.
+    Stability(stability::Args),
     /// Measure everything that is bundled and write the status page.
     Status(status::Args),
     /// Run vector files: calls of single primitives, compared bit for bit.
@@ -80,13 +99,22 @@ pub fn main() -> ExitCode {
         }
     };
     let outcome = match cli.command {
-        Command::Run(args) => run::run(&args, &simulator(args.worlds.as_deref())),
-        Command::Bless(args) => bless::run(&args, &simulator(None)),
-        Command::Hash(args) => hash::run(&args, &simulator(args.worlds.as_deref())),
+        Command::Run(args) => args.simulator().and_then(|s| run::run(&args, &s)),
+        Command::Baseline(args) => baseline::run(&args, &simulator(None, &[])),
+        Command::Bisect(args) => bisect::run(&args),
+        Command::Bless(args) => bless::run(&args, &simulator(args.worlds.as_deref(), &args.paths)),
+        Command::Hash(args) => hash::run(&args, &simulator(args.worlds.as_deref(), &args.paths)),
         Command::Import(args) => import::run(&args),
-        Command::Sensitivity(args) => sensitivity::run(&args, &simulator(args.worlds.as_deref())),
+        Command::Sensitivity(args) => {
+            sensitivity::run(&args, &simulator(args.worlds.as_deref(), &args.paths))
+        }
+        Command::Shrink(args) => shrink::run(&args),
         Command::Merge(args) => merge::run(&args),
-        Command::Status(args) => status::run(&args, &simulator(None)),
+        Command::Precision(args) => {
+            precision::run(&args, &simulator(args.worlds.as_deref(), &args.scenes))
+        }
+        Command::Stability(args) => stability::run(&args, &simulator(args.worlds.as_deref(), &[])),
+        Command::Status(args) => status::run(&args, &simulator(None, &[])),
         Command::Vectors(args) => vectors::run(&args),
     };
     outcome.unwrap_or_else(|report| {
@@ -95,9 +123,21 @@ pub fn main() -> ExitCode {
     })
 }
 
-/// The client library on the worlds of a folder; without one on the bundled worlds.
-fn simulator(worlds: Option<&Path>) -> ClientSimulator {
-    ClientSimulator::new(worlds.map_or_else(|| corpus::bundled().join("worlds"), Into::into))
+/// The client library on the worlds of a folder; without one on those that a folder of scenes brings along (`PATH/worlds`), and
+/// without such a folder on the bundled worlds.
+fn simulator(worlds: Option<&Path>, paths: &[PathBuf]) -> ClientSimulator {
+    ClientSimulator::new(worlds_of(worlds, paths))
+}
+
+fn worlds_of(worlds: Option<&Path>, paths: &[PathBuf]) -> PathBuf {
+    let brought = || {
+        let folders = paths.iter().map(|path| path.join("worlds"));
+        folders.into_iter().find(|folder| folder.is_dir())
+    };
+    worlds
+        .map(Into::into)
+        .or_else(brought)
+        .unwrap_or_else(|| corpus::bundled().join("worlds"))
 }
 
 /// Writes a result to standard output. A reader that has seen enough (`| head`) is no error.

@@ -8,8 +8,9 @@ use std::{
 };
 
 use ac_client::profile::Profile;
-use ac_golden_traces::corpus;
+use ac_golden_traces::{GoldenError, corpus};
 use ac_replayer::Simulator;
+use ac_replayer::client::{ClientSimulator, PlanChoice};
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::{IntoDiagnostic, miette};
 
@@ -18,7 +19,7 @@ use crate::{
     compare::policy::Policy,
     gate::{Document, Shard},
     report_html,
-    run::{self, Mode, Options, PROFILES, baseline::Baseline, cases, report::Totals},
+    run::{self, Mode, Options, PROFILES, baseline::Baseline, cases},
 };
 
 /// Arguments of `ac-conform run`.
@@ -27,8 +28,8 @@ use crate::{
 pub struct Args {
     /// Traces (`*.mcap`), scenes (`*.scene.json`, with their expectations beside them or under --expect), or folders of them.
     /// Default: the bundled traces.
-    paths: Vec<PathBuf>,
-    /// Folder of the worlds. Default: the bundled worlds.
+    pub(super) paths: Vec<PathBuf>,
+    /// Folder of the worlds. Default: `worlds` in a given folder, else the bundled worlds.
     #[arg(long)]
     pub(super) worlds: Option<PathBuf>,
     /// Folder of expectations for scene files: `ORACLE/AREA/NAME.expect.jsonl` (`.gz`).
@@ -55,6 +56,13 @@ pub struct Args {
     /// File of known divergences. Default for the bundled traces: `conformance/baseline.toml`.
     #[arg(long)]
     baseline: Option<PathBuf>,
+    /// Work that is done: `full` (everything a client does), `auto` (what can change the states), or a file of `ac-replay plan`. Results are
+    /// the same. Default: records are opened when they are first asked for, every entity is advanced in every frame.
+    #[arg(long, value_name = "full|auto|FILE")]
+    plan: Option<String>,
+    /// Carry a plan file out even if it leaves out what may change results.
+    #[arg(long, requires = "plan")]
+    force_plan: bool,
     /// Write a report for a browser into this folder: DIR/index.html.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
@@ -66,6 +74,14 @@ pub struct Args {
     shard: Option<Shard>,
     #[command(flatten)]
     outputs: gate::Outputs,
+}
+
+impl Args {
+    /// The client library on the worlds and under the plan that the arguments name.
+    pub(super) fn simulator(&self) -> miette::Result<ClientSimulator> {
+        let plan = PlanChoice::parse(self.plan.as_deref(), self.force_plan).into_diagnostic()?;
+        Ok(super::simulator(self.worlds.as_deref(), &self.paths).with_plan(plan))
+    }
 }
 
 /// Runs and compares; exit code 1 when something is new, changed or flaky.
@@ -104,9 +120,7 @@ pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
         ));
     }
     if let Some(folder) = &args.report {
-        let totals = Totals::of(&document.results, &baseline);
-        let (results, series) = (&document.results, &document.series);
-        let file = report_html::write(folder, results, series, &totals, &baseline);
+        let file = report_html::write(folder, &document, &policy, &baseline);
         eprintln!("report: {}", file.into_diagnostic()?.display());
     }
     args.outputs.write(&document, &baseline, args.format)
@@ -136,16 +150,11 @@ fn options(args: &Args) -> miette::Result<Options> {
 }
 
 fn find_cases(args: &Args) -> miette::Result<Vec<run::Case>> {
-    let bundled = [corpus::bundled().join("traces")];
-    let paths = if args.paths.is_empty() {
-        &bundled[..]
-    } else {
-        &args.paths
-    };
-    let cases =
-        cases::find(paths, args.expect.as_deref(), args.stages.as_deref()).into_diagnostic()?;
+    let (expect, stages) = (args.expect.as_deref(), args.stages.as_deref());
+    let cases = cases::find_or_bundled(&args.paths, expect, stages).map_err(no_cases)?;
     if cases.is_empty() {
-        let paths: Vec<_> = paths
+        let paths: Vec<_> = args
+            .paths
             .iter()
             .map(|path| path.display().to_string())
             .collect();
@@ -156,6 +165,34 @@ fn find_cases(args: &Args) -> miette::Result<Vec<run::Case>> {
         ));
     }
     Ok(cases)
+}
+
+/// What to do about a path at which there is nothing.
+fn no_cases(error: GoldenError) -> miette::Report {
+    match &error {
+        GoldenError::Io { path, source } if source.kind() == std::io::ErrorKind::NotFound => {
+            let advice = advice_for(path);
+            miette!(
+                help = advice,
+                "{}: there is no such file or folder",
+                path.display()
+            )
+        }
+        _ => miette::Report::msg(error.to_string()),
+    }
+}
+
+fn advice_for(path: &Path) -> String {
+    let name = path.to_string_lossy();
+    let bundled = corpus::bundled().join("traces");
+    let near = bundled.join(format!("{}.mcap", name.trim_end_matches(".mcap")));
+    if path.is_relative() && near.is_file() {
+        return format!("the bundled scene of this name is {}", near.display());
+    }
+    format!(
+        "traces end in .mcap, scenes in .scene.json; without a path the bundled traces under {} are run",
+        bundled.display()
+    )
 }
 
 /// The named baseline, or that of the bundled traces when those are run.

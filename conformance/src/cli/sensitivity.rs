@@ -17,8 +17,8 @@ use crate::run::{
 pub struct Args {
     /// Traces (`*.mcap`), scenes (`*.scene.json`, with their expectations beside them or under --expect), or folders of them.
     /// Default: the bundled traces.
-    paths: Vec<PathBuf>,
-    /// Folder of the worlds. Default: the bundled worlds.
+    pub(super) paths: Vec<PathBuf>,
+    /// Folder of the worlds. Default: `worlds` in a given folder, else the bundled worlds.
     #[arg(long)]
     pub(super) worlds: Option<PathBuf>,
     /// Folder of expectations for scene files: `ORACLE/AREA/NAME.expect.jsonl` (`.gz`).

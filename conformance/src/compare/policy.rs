@@ -78,6 +78,24 @@ pub struct Rule {
 }
 
 impl Rule {
+    /// Which scenes, areas and oracles it is for, as in the file.
+    pub fn scope(&self) -> String {
+        let names = [
+            ("scene", &self.names.scene),
+            ("area", &self.names.area),
+            ("oracle", &self.names.oracle),
+        ];
+        let named: Vec<String> = names
+            .into_iter()
+            .filter(|(_, glob)| glob.glob().glob() != "**")
+            .map(|(name, glob)| format!("{name} {}", glob.glob().glob()))
+            .collect();
+        match named.is_empty() {
+            true => "every scene".into(),
+            false => named.join(", "),
+        }
+    }
+
     /// The rule as a report names it.
     pub fn title(&self) -> String {
         format!("{} within {}: {}", self.field, self.bound, self.reason)

@@ -9,6 +9,8 @@
 pub mod output;
 pub mod partition;
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use ac_client::profile::Profile;
 use ac_replayer::Simulator;
 use serde::{Deserialize, Serialize};
@@ -44,6 +46,16 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// Every verdict, from the best to the worst.
+    pub const ALL: [Self; 6] = [
+        Self::Exact,
+        Self::WithinTolerance,
+        Self::Known,
+        Self::Changed,
+        Self::New,
+        Self::Flaky,
+    ];
+
     /// Its name in reports.
     pub const fn name(self) -> &'static str {
         match self {
@@ -159,10 +171,12 @@ impl Document {
         let cases = document.select(cases, policy);
         let paths: Vec<Case> = cases.iter().map(|(_, case)| case.clone()).collect();
         let outcome = run::run_with(simulator, &paths, options, policy, done);
-        let again: Vec<(String, Case)> = cases
-            .into_iter()
-            .filter(|(scene, _)| failing(&outcome, scene).next().is_some())
-            .collect();
+        let mut again: BTreeMap<String, Vec<Case>> = BTreeMap::new();
+        for (scene, case) in cases {
+            if failing(&outcome, &scene).next().is_some() {
+                again.entry(scene).or_default().push(case);
+            }
+        }
         document.flaky = flakes(simulator, &again, options, policy, &outcome);
         document.errors = outcome.errors.iter().map(ToString::to_string).collect();
         document.results = outcome.results;
@@ -186,21 +200,23 @@ impl Document {
             .map(|case| (name(case), case.clone()))
             .collect();
         named.sort();
-        let mut place = 0..;
-        named.retain(|(scene, _)| {
-            let place = place.next().unwrap_or(usize::MAX);
-            self.shard.is_none_or(|shard| shard.has(place, scene))
-        });
-        named.retain(|(scene, _)| match policy.skips(scene) {
-            None => true,
-            Some(skip) => {
-                self.skipped.push(Skipped {
-                    scene: scene.clone(),
-                    reason: skip.reason.clone(),
-                });
-                false
+        // A scene may be in two traces, the oracles' and the library's own: it is still one scene.
+        let mut scenes: Vec<String> = named.iter().map(|(scene, _)| scene.clone()).collect();
+        scenes.dedup();
+        let mut kept = BTreeSet::new();
+        for (place, scene) in scenes.into_iter().enumerate() {
+            if self.shard.is_some_and(|shard| !shard.has(place, &scene)) {
+                continue;
             }
-        });
+            match policy.skips(&scene) {
+                None => drop(kept.insert(scene)),
+                Some(skip) => self.skipped.push(Skipped {
+                    reason: skip.reason.clone(),
+                    scene,
+                }),
+            }
+        }
+        named.retain(|(scene, _)| kept.contains(scene));
         named
     }
 
@@ -273,7 +289,7 @@ impl Document {
     /// When the parts are not those of one run.
     pub fn merge(parts: Vec<(String, Self)>) -> Result<Self, MergeError> {
         let mut shards: Vec<Shard> = Vec::new();
-        let mut seen = std::collections::BTreeSet::new();
+        let mut seen = BTreeSet::new();
         let mut merged = Self {
             schema: report::SCHEMA.into(),
             ..Self::default()
@@ -349,20 +365,14 @@ fn failing<'a>(outcome: &'a Outcome, scene: &'a str) -> impl Iterator<Item = &'a
 /// Runs scenes with failures again, and hashes them twice under every profile with a failure.
 fn flakes(
     simulator: &dyn Simulator,
-    again: &[(String, Case)],
+    again: &BTreeMap<String, Vec<Case>>,
     options: &Options,
     policy: &Policy,
     first: &Outcome,
 ) -> Vec<Flake> {
     let mut flakes = Vec::new();
-    for (scene, case) in again {
-        let second = run::run_with(
-            simulator,
-            std::slice::from_ref(case),
-            options,
-            policy,
-            || (),
-        );
+    for (scene, cases) in again {
+        let second = run::run_with(simulator, cases, options, policy, || ());
         let before = first.results.iter().filter(|result| result.scene == *scene);
         if !second.results.iter().eq(before) {
             let what = "the second run gave other results".into();
@@ -372,7 +382,8 @@ fn flakes(
             });
             continue;
         }
-        let profiles: std::collections::BTreeSet<&str> = failing(first, scene)
+        let Some(case) = cases.first() else { continue };
+        let profiles: BTreeSet<&str> = failing(first, scene)
             .map(|result| result.profile.as_str())
             .collect();
         for name in profiles {

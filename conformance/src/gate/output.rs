@@ -5,7 +5,7 @@ use std::fmt::Write;
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
 use super::{Document, Verdict};
-use crate::run::{RunResult, baseline::Baseline};
+use crate::run::{RunResult, baseline::Baseline, report};
 
 /// GitHub shows at most ten annotations of a kind per step.
 const ANNOTATIONS: usize = 10;
@@ -62,20 +62,12 @@ pub fn counts(document: &Document, baseline: &Baseline) -> Vec<(&'static str, us
     ]
 }
 
-/// What the tables of a run do not say: changed, flaky, skipped, the shard.
+/// Everything that a person reads: the table, each result that is not exact under its verdict, what was skipped, and how many
+/// there are of each.
 pub fn human(document: &Document, baseline: &Baseline) -> String {
-    let mut text = String::new();
+    let mut text = report::human(document, baseline);
     if let Some(shard) = document.shard {
         let _ = writeln!(text, "shard {shard}");
-    }
-    for flake in &document.flaky {
-        let _ = writeln!(text, "flaky: {}: {}", flake.scene, flake.what);
-    }
-    for (result, _) in document
-        .judged(baseline)
-        .filter(|(_, verdict)| *verdict == Verdict::Changed)
-    {
-        let _ = writeln!(text, "changed: {}: {}", title(result), place(result));
     }
     for skipped in &document.skipped {
         let _ = writeln!(text, "skipped: {}: {}", skipped.scene, skipped.reason);

@@ -6,8 +6,11 @@
 //! The script only ever sets text, so no string of a trace can become markup.
 
 mod encode;
+mod plot;
+pub mod precision_page;
 pub mod series;
 mod spec_links;
+pub mod stability_page;
 
 use std::{
     collections::BTreeMap,
@@ -21,7 +24,8 @@ pub use encode::POINTS;
 pub use series::Series;
 
 use crate::{
-    compare::{Class, Divergence, error},
+    compare::{Divergence, error, policy::Policy},
+    gate::{Document, Verdict, output::counts},
     run::{RunResult, baseline::Baseline, report::Totals},
 };
 
@@ -47,13 +51,26 @@ pub struct ReportError {
 /// When the folder or the file cannot be written.
 pub fn write(
     folder: &Path,
-    results: &[RunResult],
-    series: &[Series],
-    totals: &Totals,
+    document: &Document,
+    policy: &Policy,
     baseline: &Baseline,
 ) -> Result<PathBuf, ReportError> {
     let path = folder.join(FILE);
-    let text = page(results, series, totals, baseline);
+    let text = page(document, policy, baseline);
+    let text = plot::with_links(folder, FILE, &text);
+    fs::create_dir_all(folder)
+        .and_then(|()| fs::write(&path, text))
+        .map_err(|source| ReportError {
+            path: path.clone(),
+            source,
+        })?;
+    Ok(path)
+}
+
+/// Writes a page of its own into the folder, beside the report if there is one. The answer is the path of the file.
+fn write_page(folder: &Path, file: &str, text: &str) -> Result<PathBuf, ReportError> {
+    let path = folder.join(file);
+    let text = plot::with_links(folder, file, text);
     fs::create_dir_all(folder)
         .and_then(|()| fs::write(&path, text))
         .map_err(|source| ReportError {
@@ -64,27 +81,23 @@ pub fn write(
 }
 
 /// The text of the report.
-pub fn page(
-    results: &[RunResult],
-    series: &[Series],
-    totals: &Totals,
-    baseline: &Baseline,
-) -> String {
+pub fn page(document: &Document, policy: &Policy, baseline: &Baseline) -> String {
     let mut groups: BTreeMap<(&str, &str, String), Vec<&Series>> = BTreeMap::new();
-    for series in series {
+    for series in &document.series {
         let guid = format!("0x{:X}", series.guid);
         groups
             .entry((&series.scene, &series.oracle, guid))
             .or_default()
             .push(series);
     }
-    let rows: Vec<Value> = results
-        .iter()
-        .map(|result| {
+    let rows: Vec<Value> = document
+        .judged(baseline)
+        .map(|(result, verdict)| {
             let key = (&*result.scene, &*result.oracle, result.guid.clone());
             let detail = groups.range(..&key).count();
             row(
                 result,
+                verdict,
                 baseline,
                 groups.contains_key(&key).then_some(detail),
             )
@@ -93,7 +106,13 @@ pub fn page(
     let data = json!({
         "version": env!("CARGO_PKG_VERSION"),
         "outcomes": series::BY_SEVERITY.map(|outcome| outcome.name()),
-        "totals": totals,
+        "verdicts": Verdict::ALL.map(Verdict::name),
+        "totals": Totals::of(&document.results, baseline),
+        "counts": counts(document, baseline),
+        "errors": document.errors,
+        "flaky": document.flaky.iter().map(|flake| json!([flake.scene, flake.what])).collect::<Vec<_>>(),
+        "skipped": document.skipped.iter().map(|skip| json!([skip.scene, skip.reason])).collect::<Vec<_>>(),
+        "rules": rules(document, policy),
         "results": rows,
     });
     let mut blocks = block("data", &data);
@@ -116,13 +135,20 @@ fn block(id: &str, data: &Value) -> String {
     format!("<script type=\"application/json\" id=\"{id}\">{text}</script>\n")
 }
 
-/// One result as the script reads it: an array, because names would be most of the file.
-fn row(result: &RunResult, baseline: &Baseline, detail: Option<usize>) -> Value {
-    let class = match result.class {
-        Class::Exact => 0,
-        Class::WithinTolerance => 1,
-        Class::Diverged => 2,
+/// The rules of the policy: for which scenes and oracles, what and why, and how many differences passed by each.
+fn rules(document: &Document, policy: &Policy) -> Vec<Value> {
+    let used = |title: &String| -> u64 {
+        let of = document.results.iter();
+        of.filter_map(|result| result.tolerated.get(title)).sum()
     };
+    let rules = policy.rules.iter();
+    rules
+        .map(|rule| json!([rule.scope(), rule.title(), used(&rule.title())]))
+        .collect()
+}
+
+/// One result as the script reads it: an array, because names would be most of the file.
+fn row(result: &RunResult, verdict: Verdict, baseline: &Baseline, detail: Option<usize>) -> Value {
     let errors: Vec<Value> = result
         .max_error
         .iter()
@@ -140,7 +166,7 @@ fn row(result: &RunResult, baseline: &Baseline, detail: Option<usize>) -> Value 
         result.profile,
         result.mode.name(),
         result.guid,
-        class,
+        verdict as usize,
         baseline.accepts(result).map(|known| &known.reason),
         result.frames_compared,
         result.frames_exact,
@@ -149,6 +175,7 @@ fn row(result: &RunResult, baseline: &Baseline, detail: Option<usize>) -> Value 
         stages,
         detail,
         result.undefined,
+        result.tolerated.iter().collect::<Vec<_>>(),
     ])
 }
 

@@ -5,14 +5,15 @@ addEventListener("error", (event) => fail(event.message));
 
 // Columns of a result row, as `row` writes them.
 const SCENE = 0, AREA = 1, ORACLE = 2, PROFILE = 3, MODE = 4, GUID = 5, CLASS = 6, KNOWN = 7, FRAMES = 8, EXACT = 9, FIRST = 10,
-  ERRORS = 11, STAGES = 12, DETAIL = 13, UNDEFINED = 14;
-const VERDICTS = ["exact", "within tolerance", "diverged"];
+  ERRORS = 11, STAGES = 12, DETAIL = 13, UNDEFINED = 14, TOLERATED = 15;
 const SHOWN = 300;
 const SVG = "http://www.w3.org/2000/svg";
 
 const $ = (id) => document.getElementById(id);
 const data = JSON.parse($("data").textContent);
 const rows = data.results;
+// From the best to the worst; the class of a row is an index.
+const VERDICTS = data.verdicts;
 
 /// An element with attributes and children; strings become text, never markup.
 function make(name, attributes = {}, ...children) {
@@ -28,7 +29,7 @@ function make(name, attributes = {}, ...children) {
 const s = (name, attributes, ...children) => make("svg:" + name, attributes, ...children);
 const number = (value) => value.toLocaleString("en");
 const size = (value) => value === null ? "not finite" : value === 0 ? "0" : value >= 0.01 && value < 1e5 ? String(+value.toPrecision(4)) : value.toExponential(2);
-const verdict = (row) => make("span", { class: "verdict v" + row[CLASS] }, VERDICTS[row[CLASS]] + (row[KNOWN] !== null ? " (known)" : ""));
+const verdict = (row) => make("span", { class: "verdict v" + row[CLASS] }, VERDICTS[row[CLASS]]);
 /// The field that is furthest off: its error is what sorts.
 const worst = (row) => row[ERRORS].reduce((best, error) => best === null || (error[1] ?? Infinity) > (best[1] ?? Infinity) ? error : best, null);
 const worstSize = (row) => { const error = worst(row); return error ? error[1] ?? Infinity : -1; };
@@ -54,11 +55,10 @@ function go(changes, replace = false) {
 function summary() {
   const t = data.totals;
   const tiles = [
-    [number(t.exact), "of " + number(t.results) + " results exact"], [number(t.within_tolerance), "within tolerance"], [number(t.diverged), "diverged"],
-    [number(t.new_divergences), "new divergences"], [number(t.known_divergences), "known to the baseline"],
+    [number(t.exact), "of " + number(t.results) + " results exact"],
+    ...data.counts.filter(([name, count]) => name !== "exact" && (count || name === "new" || name === "changed")).map(([name, count]) => [number(count), name]),
     [number(t.frames_exact), "of " + number(t.frames_compared) + " frames exact"],
   ];
-  if (t.fixed) tiles.push([number(t.fixed), "in the baseline, but fixed"]);
   if (t.frames_undefined_in_oracle) tiles.push([number(t.frames_undefined_in_oracle), "frames undefined in the oracle"]);
   if (t.stage_records_not_run) tiles.push([number(t.stage_records_not_run), "stage records not run"]);
   $("tiles").append(...tiles.map(([value, text]) => make("div", { class: "tile" }, make("b", {}, value), text)));
@@ -66,6 +66,16 @@ function summary() {
   const unique = (index) => [...new Set(rows.map((row) => row[index]))].sort().join(", ");
   $("subtitle").textContent = number(scenes) + " scenes; oracles: " + unique(ORACLE) + "; profiles: " + unique(PROFILE) + "; ac-conform " + data.version;
   $("areas").append(make("details", {}, make("summary", {}, "Exact results by area and mode"), areas()));
+  notes();
+}
+/// What is not in the table of results: what could not run, what was skipped, what may differ.
+function notes() {
+  const list = (title, open, items) => { if (items.length) $("notes").append(make("details", open ? { open: "" } : {}, make("summary", {}, title), make("ul", {}, ...items.map((item) => make("li", {}, ...item))))); };
+  list(number(data.errors.length) + " could not run", true, data.errors.map((text) => [text]));
+  list(number(data.flaky.length) + " flaky: the second run said something else", true, data.flaky.map(([scene, what]) => [make("b", {}, scene), " – " + what]));
+  list(number(data.skipped.length) + " skipped by the policy", true, data.skipped.map(([scene, reason]) => [make("b", {}, scene), " – " + reason]));
+  list(number(data.rules.length) + " rules of the policy: what may differ, and why", false, data.rules.map(([scope, title, used]) =>
+    [make("code", {}, title), " (" + scope + ") – " + (used ? number(used) + " differences passed by it" : "nothing needed it")]));
 }
 function areas() {
   const names = [...new Set(rows.map((row) => row[AREA]))].sort(), modes = [...new Set(rows.map((row) => row[MODE]))];
@@ -77,7 +87,7 @@ function areas() {
   return make("table", {}, make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "area"), ...modes.map((mode) => make("th", { class: "n", scope: "col" }, mode)))),
     make("tbody", {}, ...names.map((name) => make("tr", {}, make("td", {}, make("a", { href: "#area=" + encodeURIComponent(name) }, name)), ...modes.map((mode) => {
       const cell = cells.get(name + "|" + mode);
-      return make("td", { class: "n" }, cell ? make("span", { class: cell[0] === cell[1] ? "v0-text" : "v2" }, cell[0] + "/" + cell[1]) : "–");
+      return make("td", { class: "n" }, cell ? make("span", { class: cell[0] === cell[1] ? "v0-text" : "bad-text" }, cell[0] + "/" + cell[1]) : "–");
     })))));
 }
 
@@ -89,7 +99,7 @@ const COLUMNS = [
   ["error", "Largest error", worstSize],
 ];
 /// Everything the text filter looks at.
-const haystack = rows.map((row) => [row[SCENE], row[ORACLE], row[PROFILE], row[MODE], row[GUID], VERDICTS[row[CLASS]], ...(row[FIRST] ? row[FIRST].slice(1, 5) : [])].join(" ").toLowerCase());
+const haystack = rows.map((row) => [row[SCENE], row[ORACLE], row[PROFILE], row[MODE], row[GUID], VERDICTS[row[CLASS]], ...row[TOLERATED].map(([rule]) => rule), ...(row[FIRST] ? row[FIRST].slice(1, 5) : [])].join(" ").toLowerCase());
 let order = [], limit = SHOWN;
 function select() {
   const words = (view.filter ?? "").toLowerCase().split(/\s+/).filter(Boolean);
@@ -264,12 +274,32 @@ function firstCard(row) {
   return make("div", { class: "card first" }, make("h3", {}, "First divergence: frame " + first[0] + ", ", make("code", {}, first[2])),
     make("dl", { class: "values" }, ...entry("stage", first[1]), ...entry("expected", make("code", {}, first[3])), ...entry("actual", make("code", {}, first[4])),
       ...entry("apart", first[5] === null ? null : size(first[6]) + ", " + first[5].replace(/\B(?=(\d{3})+$)/g, ",") + " ULP"),
-      ...entry("read", make("code", {}, first[7])), ...entry("known", row[KNOWN])));
+      ...entry("read", make("code", {}, first[7])), ...entry("baseline", row[KNOWN])));
+}
+/// How the modes of a scene, an oracle and an entity agree, and what that says.
+function agreement(row, siblings) {
+  const of = (mode) => siblings.find((other) => other[ORACLE] === row[ORACLE] && other[MODE] === mode);
+  const [free, resync, stage] = ["free", "resync", "stage"].map(of), told = [free, resync, stage].filter(Boolean);
+  if (told.length < 2) return null;
+  const wrong = (other) => other && other[FIRST], place = (other) => "frame " + other[FIRST][0] + (other[FIRST][1] ? ", stage " + other[FIRST][1] : "") + ", " + other[FIRST][2];
+  const names = told.map((other) => other[MODE] + (wrong(other) ? " differs (" + place(other) + ")" : " does not differ")).join("; ") + ". ";
+  let says;
+  if (!told.some(wrong)) says = "All agree.";
+  else if (wrong(stage)) says = wrong(free) || wrong(resync)
+    ? "The stage run alone differs too: look there first."
+    : "Only the stage run alone differs: its record lacks an input, or the record is wrong where nothing reads it.";
+  else if (wrong(free) && wrong(resync)) says = free[FIRST][0] === resync[FIRST][0]
+    ? "Both part in the same frame, from the right state before it" + (stage ? ", though every stage alone is right: look at the order of the stages and at what lies between them." : ".")
+    : "The free run parts first by itself; resync shows how often it would again.";
+  else if (wrong(free)) says = "Every frame is right when the one before is: something that no record carries goes wrong earlier, or at creation, and adds up.";
+  else says = "Only from the recorded states it differs: they lack some state that the free run has. The client is right.";
+  return make("div", { class: "card", id: "agreement" }, make("h3", {}, "Do the modes agree?"), names + says);
 }
 function tables(row) {
   const build = (names, lines) => make("table", {}, make("thead", {}, make("tr", {}, ...names.map((name, index) => make("th", { scope: "col", class: index ? "n" : null }, name)))),
     make("tbody", {}, ...lines.map((cells) => make("tr", {}, ...cells.map((cell, index) => make("td", { class: index ? "n" : null }, cell))))));
   const out = [];
+  if (row[TOLERATED].length) out.push(make("div", { class: "card", id: "tolerated" }, make("h3", {}, "Passed by a rule of the policy"), build(["rule, and why", "times"], row[TOLERATED].map(([rule, count]) => [rule, number(count)]))));
   if (row[STAGES].length) out.push(make("div", { class: "card" }, make("h3", {}, "Stages"), build(["stage", "records", "exact", "not run"], row[STAGES].map(([name, compared, exact, not]) => [name, number(compared), number(exact), number(not)]))));
   if (row[ERRORS].length) out.push(make("div", { class: "card" }, make("h3", {}, "Largest errors"), build(["field", "largest error", "unit", "largest ULP", "in frame"], row[ERRORS].map(([field, abs, ulp, frame, unit]) => [field, size(abs), unit, ulp.replace(/\B(?=(\d{3})+$)/g, ","), String(frame)]))));
   return out;
@@ -286,7 +316,7 @@ function detail(index) {
     make("h1", {}, row[SCENE]), make("p", { class: "muted" }, "entity " + row[GUID] + ", oracle " + row[ORACLE] + ", profile " + row[PROFILE] + ", mode " + row[MODE] + " – ", verdict(row), " – " + number(row[EXACT]) + " of " + number(row[FRAMES]) + (row[MODE] === "stage" ? " records" : " frames") + " exact"),
     make("div", { class: "bar", role: "group", "aria-label": "Oracle and mode" }, ...oracles.map((oracle) => button(oracle, pick(oracle, row[MODE]), oracle === row[ORACLE])), make("span", { class: "muted" }, "·"),
       ...siblings.filter((other) => other[ORACLE] === row[ORACLE]).map((other) => button(other[MODE], other, other === row))),
-    firstCard(row),
+    firstCard(row), agreement(row, siblings),
   ];
   const mode = block?.modes[row[MODE]];
   if (block) {
@@ -301,7 +331,7 @@ function detail(index) {
   }
   body.push(...tables(row));
   if (row[MODE] === "stage" && block) body.push(make("p", { class: "muted" }, "Stages run alone have no path of their own: the plots show what is expected."));
-  $("detail").replaceChildren(...body);
+  $("detail").replaceChildren(...body.filter(Boolean));
 }
 
 let opened = null;

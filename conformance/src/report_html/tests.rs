@@ -1,5 +1,9 @@
 use super::*;
-use crate::run::{Mode, StageCount};
+use crate::{
+    compare::Class,
+    gate::Skipped,
+    run::{Mode, StageCount},
+};
 
 const NASTY: &str = "x/</script><script>alert(1)</script><!--";
 
@@ -22,7 +26,7 @@ fn result() -> RunResult {
         }),
         max_error: BTreeMap::new(),
         undefined: 0,
-        class: Class::WithinTolerance,
+        class: Class::Diverged,
         tolerated: BTreeMap::new(),
         not_run: 0,
         stages: BTreeMap::from([("commit".into(), StageCount::default())]),
@@ -31,15 +35,18 @@ fn result() -> RunResult {
 
 #[test]
 fn strings_of_a_trace_stay_strings() {
-    let results = [result()];
-    let baseline = Baseline::default();
-    let series = [Series::new(NASTY, "ace", Mode::Free, 1)];
-    let text = page(
-        &results,
-        &series,
-        &Totals::of(&results, &baseline),
-        &baseline,
-    );
+    let skipped = Skipped {
+        scene: NASTY.into(),
+        reason: NASTY.into(),
+    };
+    let document = Document {
+        results: vec![result()],
+        series: vec![Series::new(NASTY, "ace", Mode::Free, 1)],
+        skipped: vec![skipped],
+        errors: vec![NASTY.into()],
+        ..Document::default()
+    };
+    let text = page(&document, &Policy::default(), &Baseline::default());
     assert!(!text.contains("<script>alert"));
     // Data, one detail, the program: nothing else opens or closes a script.
     assert_eq!(text.matches("<script").count(), 3);
@@ -52,7 +59,7 @@ fn strings_of_a_trace_stay_strings() {
 
 #[test]
 fn the_card_has_exact_values_and_ulps() {
-    let row = row(&result(), &Baseline::default(), None);
+    let row = row(&result(), Verdict::New, &Baseline::default(), None);
     assert_eq!(row[10][3], "1.0");
     assert_eq!(row[10][4], "1.0000001192092896");
     assert_eq!(row[10][5], "1");
@@ -61,10 +68,51 @@ fn the_card_has_exact_values_and_ulps() {
 
 #[test]
 fn nothing_is_loaded_from_elsewhere() {
-    let text = page(&[], &[], &Totals::default(), &Baseline::default());
+    let text = page(
+        &Document::default(),
+        &Policy::default(),
+        &Baseline::default(),
+    );
     for reference in ["src=", "@import", "url(", "fetch(", "XMLHttpRequest"] {
         assert!(!text.contains(reference), "{reference}");
     }
     let links = text.matches("http").count() - text.matches("http://www.w3.org/2000/svg").count();
     assert_eq!(links, text.matches("http-equiv").count());
+}
+
+#[test]
+fn verdicts_rules_and_skipped_scenes_are_in_the_data() {
+    let policy = Policy::parse(
+        "[[tolerance]]\nscene = 'jump/*'\nfield = 'velocity'\nulp = 4\nreason = 'rounded once more'\n\
+         [[tolerance]]\nfield = 'time'\nabs = 1\nreason = 'never'\n",
+    )
+    .unwrap();
+    let mut within = result();
+    within.first_divergence = None;
+    within.class = Class::WithinTolerance;
+    let rule = policy.rules[0].title();
+    within.tolerated.insert(rule.clone(), 3);
+    let skipped = Skipped {
+        scene: "c/skipped".into(),
+        reason: "takes hours".into(),
+    };
+    let document = Document {
+        results: vec![result(), within],
+        skipped: vec![skipped],
+        ..Document::default()
+    };
+    let text = page(&document, &policy, &Baseline::default());
+    let start = text.find("id=\"data\">").unwrap() + "id=\"data\">".len();
+    let end = start + text[start..].find("</script>").unwrap();
+    let data: Value = serde_json::from_str(&text[start..end]).unwrap();
+    let verdict =
+        |row: usize| &data["verdicts"][data["results"][row][6].as_u64().unwrap() as usize];
+    assert_eq!(
+        (verdict(0), verdict(1)),
+        (&json!("new"), &json!("within tolerance"))
+    );
+    assert_eq!(data["results"][1][15], json!([[rule, 3]]));
+    assert_eq!(data["rules"][0], json!(["scene jump/*", rule, 3]));
+    assert_eq!(data["rules"][1][2], 0);
+    assert_eq!(data["skipped"], json!([["c/skipped", "takes hours"]]));
 }

@@ -62,6 +62,24 @@ pub fn find(
     Ok(cases)
 }
 
+/// As [`find`]; without paths the bundled traces, with the library's own expectations.
+///
+/// # Errors
+/// As [`find`].
+pub fn find_or_bundled(
+    paths: &[PathBuf],
+    expect: Option<&Path>,
+    stages: Option<&Path>,
+) -> Result<Vec<Case>, GoldenError> {
+    if !paths.is_empty() {
+        return find(paths, expect, stages);
+    }
+    let mut bundled = vec![corpus::bundled().join("traces")];
+    // Not there before anything was blessed.
+    bundled.extend(Some(crate::bless::bundled()).filter(|folder| folder.is_dir()));
+    find(&bundled, None, None)
+}
+
 /// Files with these endings beside the scene file or in the folder of all.
 fn files(
     scene: &Path,

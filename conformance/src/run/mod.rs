@@ -201,6 +201,14 @@ pub enum RunError {
     },
 }
 
+/// The oracle that is this library itself: what its profile `retail` did when it was last blessed (see [`crate::bless`]).
+pub const SELF: &str = "self";
+
+/// Name of the profile that is compared with an oracle.
+pub fn profile_of(oracle: &str) -> &str {
+    if oracle == SELF { "retail" } else { oracle }
+}
+
 /// The presets that `--profile` accepts.
 pub const PROFILES: [&str; 4] = ["retail", "ace", "gdle", "gdle-repaired"];
 

@@ -5,7 +5,10 @@ use std::{collections::BTreeMap, fmt::Write};
 use serde::Serialize;
 
 use super::{RunResult, baseline::Baseline};
-use crate::compare::Class;
+use crate::{
+    compare::Class,
+    gate::{Document, Verdict},
+};
 
 /// Schema of the JSON document.
 pub const SCHEMA: &str = "ac-conform-run/1";
@@ -95,10 +98,12 @@ struct Row {
     origin: f64,
 }
 
-/// The verdict table and the list of divergences.
-pub fn human(results: &[RunResult], totals: &Totals, baseline: &Baseline) -> String {
+/// The table, and every result that is not simply exact, under the name of its verdict.
+pub fn human(document: &Document, baseline: &Baseline) -> String {
+    let results = &document.results[..];
+    let totals = Totals::of(results, baseline);
     let mut text = table(results);
-    divergences(&mut text, results, baseline);
+    divergences(&mut text, document, baseline);
     tolerated(&mut text, results);
     for known in baseline.fixed(results) {
         let _ = writeln!(
@@ -130,15 +135,8 @@ pub fn human(results: &[RunResult], totals: &Totals, baseline: &Baseline) -> Str
     }
     let _ = writeln!(
         text,
-        "{} of {} entities exact, {} within tolerance, {} diverged; {} of {} frames exact; {} new divergences, {} known",
-        totals.exact,
-        totals.results,
-        totals.within_tolerance,
-        totals.diverged,
-        totals.frames_exact,
-        totals.frames_compared,
-        totals.new_divergences,
-        totals.known_divergences
+        "{} of {} results exact; {} of {} frames and stage records exact",
+        totals.exact, totals.results, totals.frames_exact, totals.frames_compared,
     );
     text
 }
@@ -200,7 +198,7 @@ fn verdict(class: Class) -> &'static str {
 fn tolerated(text: &mut String, results: &[RunResult]) {
     let within: Vec<_> = results
         .iter()
-        .filter(|result| !result.tolerated.is_empty())
+        .filter(|result| result.class == Class::WithinTolerance)
         .collect();
     for result in within.iter().take(LISTED) {
         let _ = writeln!(
@@ -214,9 +212,7 @@ fn tolerated(text: &mut String, results: &[RunResult]) {
         for (rule, count) in &result.tolerated {
             let _ = writeln!(text, "       {count} times {rule}");
         }
-        if result.first_divergence.is_none() {
-            errors(text, result);
-        }
+        errors(text, result);
     }
     if within.len() > LISTED {
         let more = within.len() - LISTED;
@@ -239,22 +235,18 @@ fn errors(text: &mut String, result: &RunResult) {
     }
 }
 
-fn divergences(text: &mut String, results: &[RunResult], baseline: &Baseline) {
-    let diverged: Vec<_> = results
-        .iter()
-        .filter_map(|result| {
-            Some((
-                result,
-                result.first_divergence.as_ref()?,
-                baseline.accepts(result),
-            ))
-        })
+/// Every divergence, the worst verdicts first: what closes the gate is never behind what does not.
+fn divergences(text: &mut String, document: &Document, baseline: &Baseline) {
+    let mut diverged: Vec<_> = document
+        .judged(baseline)
+        .filter_map(|(result, verdict)| Some((result, result.first_divergence.as_ref()?, verdict)))
         .collect();
-    for (result, divergence, known) in diverged.iter().take(LISTED) {
+    diverged.sort_by_key(|(.., verdict)| std::cmp::Reverse(*verdict));
+    for (result, divergence, verdict) in diverged.iter().take(LISTED) {
         let _ = writeln!(
             text,
             "{}: {} {} {} {}: frame {}{} {}: expected {}, got {}",
-            if known.is_some() { "known" } else { "new" },
+            verdict.name(),
             result.scene,
             result.oracle,
             result.mode.name(),
@@ -269,8 +261,25 @@ fn divergences(text: &mut String, results: &[RunResult], baseline: &Baseline) {
             divergence.expected,
             divergence.actual
         );
-        if let Some(known) = known {
+        if let Some(known) = baseline.accepts(result) {
             let _ = writeln!(text, "       {}", known.reason);
+        }
+        if *verdict == Verdict::Changed
+            && let Some(known) = baseline.known.iter().find(|known| known.names(result))
+        {
+            let _ = writeln!(
+                text,
+                "       the baseline has frame {} {}",
+                known.frame, known.field
+            );
+        }
+        for flake in &document.flaky {
+            if *verdict == Verdict::Flaky && flake.scene == result.scene {
+                let _ = writeln!(text, "       run again: {}", flake.what);
+            }
+        }
+        for (rule, count) in &result.tolerated {
+            let _ = writeln!(text, "       tolerated beside that: {count} times {rule}");
         }
         errors(text, result);
     }

@@ -18,7 +18,7 @@ use ac_golden_traces::{
 use ac_replayer::{Simulation, SimulationError, Simulator};
 use serde_json::{Value, value::RawValue};
 
-use super::{Case, Mode, Options, Outcome, RunError, RunResult, StageCount};
+use super::{Case, Mode, Options, Outcome, RunError, RunResult, StageCount, profile_of};
 use crate::{
     compare::{
         Comparison,
@@ -277,7 +277,7 @@ impl<'a> CaseRun<'a> {
             .options
             .profile
             .clone()
-            .unwrap_or_else(|| oracle.to_owned());
+            .unwrap_or_else(|| profile_of(oracle).to_owned());
         let profile = Profile::named(&name).ok_or_else(|| RunError::Profile {
             path: self.path.into(),
             name: name.clone(),

@@ -20,6 +20,7 @@ use super::{
     report::{Totals, human, json as json_report},
     run,
 };
+use crate::gate::Document;
 
 /// A client in which every entity moves by its speed along x each frame, and something goes wrong in frame `slip`.
 struct Fake {
@@ -196,7 +197,11 @@ fn the_human_report() {
         ),
         (1, 2, 1)
     );
-    insta::assert_snapshot!(human(&outcome.results, &totals, &baseline));
+    let document = Document {
+        results: outcome.results,
+        ..Document::default()
+    };
+    insta::assert_snapshot!(human(&document, &baseline));
 }
 
 #[test]
@@ -298,4 +303,32 @@ fn what_cannot_run_says_why() {
     insta::assert_snapshot!(replace("\"frame\":3", "\"frame\":9"), @"tiny.scene.json: oracle gdle has frame 9, the scene ends before it");
     insta::assert_snapshot!(replace("\"guid\":\"0x2\"", "\"guid\":\"0x3\""), @"tiny.scene.json: oracle gdle has no record of the tracked entity 0x2");
     insta::assert_snapshot!(replace("\"origin\":[0.5,", "\"origin\":[true,"), @"tiny.expect.jsonl, line 4: origin[0]: expected a number, \"nan\", \"inf\" or \"-inf\"");
+}
+
+#[test]
+fn what_the_client_does_not_write_is_never_equal() {
+    // The client writes no velocity, and nothing at all of an entity that it does not know.
+    let folder = folder();
+    let with = |from: &str, to: &str| {
+        let text = expectations().replace(from, to);
+        fs::write(folder.path().join("tiny.expect.jsonl"), text).unwrap();
+        let outcome = run_in(folder.path(), None, &[Mode::Free]);
+        assert!(outcome.errors.is_empty(), "{:?}", outcome.errors);
+        let results = outcome.results.into_iter();
+        results
+            .map(|result| {
+                result
+                    .first_divergence
+                    .map(|first| (first.frame, first.field))
+            })
+            .collect::<Vec<_>>()
+    };
+    let nothing = with("x", "x");
+    assert_eq!(nothing, [None, None]);
+    let velocity = with("\"sliding_normal\":null", "\"velocity\":[0,0,0]");
+    let first = Some((-1, "velocity".to_owned()));
+    assert_eq!(velocity, [first.clone(), first]);
+    let present = with("\"sliding_normal\":null", "\"sliding_normal\":[0,0,0]");
+    let first = Some((-1, "sliding_normal".to_owned()));
+    assert_eq!(present, [first.clone(), first]);
 }

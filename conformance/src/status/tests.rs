@@ -96,6 +96,7 @@ fn the_page() {
             median: 1500.0,
             elements: Some(3),
         }],
+        tools: Default::default(),
     };
     let page = page(&measured).replace("(debug build; ", "(release build; ");
     // What other switches there are is no matter of this test.

@@ -1,6 +1,6 @@
 //! Vector family `landdefs` (`spec/vector-format.md`; defined in `spec/01-math-and-positions.md`, 10).
 
-use ac_client::math::{CellId, LandCoord, block_offset};
+use ac_client::math::{CellId, LandCoord};
 use ac_client::profile::OffMap;
 use serde_json::{Value, json};
 
@@ -38,7 +38,10 @@ pub fn answer(ctx: &VectorContext<'_>, vector: &Value) -> Option<Value> {
         "inbound_valid_cellid" => json!({ "ok": cell()?.is_inbound_valid() }),
         "get_block_offset" => {
             let (from, to) = (CellId(id(&args["from"])?), CellId(id(&args["to"])?));
-            json!({ "offset": put_vec3(block_offset(from, to)) })
+            match from.block_offset_to(to, ctx.profile) {
+                Some(offset) => json!({ "offset": put_vec3(offset) }),
+                None => json!({ "exception": "InvalidOperationException" }),
+            }
         }
         "get_outside_lcoord" => {
             let offset = vec3(&args["offset"])?;

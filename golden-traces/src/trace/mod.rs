@@ -16,6 +16,8 @@
 //! is ([`version`]), who wrote it, and the hashes of the world's files.
 
 mod reader;
+pub mod rewrite;
+mod seek;
 pub mod version;
 mod writer;
 
@@ -26,6 +28,7 @@ use serde::{Deserialize, Serialize};
 use crate::expect::Header;
 
 pub use reader::{ChannelFilter, StageMessage, TraceEvent, TraceReader};
+pub use seek::SeekableTrace;
 pub use version::FormatVersion;
 pub use writer::{Compression, TraceWriter};
 

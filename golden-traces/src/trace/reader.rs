@@ -25,7 +25,7 @@ use crate::{
 };
 
 /// No record of a trace comes near this; a longer one is refused before it is read into memory.
-const MAX_RECORD: usize = 256 << 20;
+pub(super) const MAX_RECORD: usize = 256 << 20;
 
 /// Reads a trace file from start to end.
 pub struct TraceReader<R> {
@@ -144,6 +144,11 @@ impl<R: Read> TraceReader<R> {
         &self.scene_text
     }
 
+    /// What is done with fields that this version does not know.
+    pub(super) fn unknown(&self) -> Unknown {
+        self.unknown
+    }
+
     /// What the channel of an oracle says about itself; known once the channel was seen, which is before its first message.
     pub fn header(&self, kind: &ChannelKind) -> Option<&ChannelHeader> {
         self.channels
@@ -170,6 +175,9 @@ impl<R: Read> TraceReader<R> {
                 LinearReadEvent::Record { opcode, data } => (opcode, data),
             };
             match opcode {
+                op::ATTACHMENT if !is_whole_attachment(data) => {
+                    return Err(damaged(&self.path, McapError::UnexpectedEof));
+                }
                 op::METADATA | op::ATTACHMENT => {}
                 op::MESSAGE | op::DATA_END => {
                     return Err(container(
@@ -340,6 +348,19 @@ fn info(metadata: &BTreeMap<String, String>) -> Result<TraceInfo, String> {
     })
 }
 
+/// Whether an attachment record is as long as its lengths say: two times, name, media type, data, checksum.
+pub(super) fn is_whole_attachment(body: &[u8]) -> bool {
+    fn skip_text(rest: &[u8]) -> Option<&[u8]> {
+        let (length, rest) = rest.split_first_chunk::<4>()?;
+        rest.get(u32::from_le_bytes(*length) as usize..)
+    }
+    let rest = body.get(16..).and_then(skip_text).and_then(skip_text);
+    let Some((length, rest)) = rest.and_then(|rest| rest.split_first_chunk::<8>()) else {
+        return false;
+    };
+    rest.len() as u64 == u64::from_le_bytes(*length).saturating_add(4)
+}
+
 /// Channel, sequence number and payload of a message record.
 fn message(data: &[u8]) -> Option<(u16, u32, &[u8])> {
     let (channel, rest) = data.split_first_chunk::<2>()?;
@@ -369,7 +390,7 @@ fn feed(
     Ok(())
 }
 
-fn container(path: &Path, reason: &str) -> GoldenError {
+pub(super) fn container(path: &Path, reason: &str) -> GoldenError {
     GoldenError::Container {
         path: path.into(),
         reason: reason.into(),
@@ -377,7 +398,7 @@ fn container(path: &Path, reason: &str) -> GoldenError {
 }
 
 /// What the container reader says, in our words where they help.
-fn damaged(path: &Path, error: McapError) -> GoldenError {
+pub(super) fn damaged(path: &Path, error: McapError) -> GoldenError {
     match error {
         McapError::UnexpectedEof => GoldenError::Truncated { path: path.into() },
         McapError::BadMagic => container(path, "it does not begin and end like an MCAP file"),

@@ -145,3 +145,46 @@ fn errors_read_well() {
     insta::assert_snapshot!(read(&bytes[..bytes.len() / 2]).unwrap_err().to_string(), @"b.mcap: the trace is cut off; `mcap recover` can save its whole chunks, or write it again");
     insta::assert_snapshot!(read(b"PK\x03\x04 and so on, long enough").unwrap_err().to_string(), @"b.mcap: not a readable trace: it does not begin and end like an MCAP file");
 }
+
+#[test]
+fn states_are_replaced_and_the_rest_is_copied() {
+    let bytes = write(FormatVersion::CURRENT, Compression::Archive);
+    let kind = ChannelKind::Expect("o".into());
+    let header = |note: &str| Header {
+        schema: "ac-expect/1".into(),
+        scene: "a/b".into(),
+        oracle: "o".into(),
+        oracle_version: "1".into(),
+        notes: vec![note.into()],
+    };
+    let frames = |x: f32| -> Vec<super::rewrite::Frame> {
+        let frame = |(frame, time): (i32, f64)| {
+            let mut states = FrameStates::new();
+            let state = states.push(frame, time, 1);
+            state.cell = 7;
+            state.has = Fields::ORIGIN;
+            state.origin = [x, -0.0, f32::NAN];
+            (frame, time, states)
+        };
+        [(0, 1000.5), (1, 1001.0), (2, 1001.25)].map(frame).to_vec()
+    };
+    let path = Path::new("b.mcap");
+    let replace = |x: f32, note: &str| {
+        super::rewrite::replace_states(&bytes, path, &kind, &header(note), &frames(x)).unwrap()
+    };
+    assert_eq!(replace(0.1, "n"), bytes, "the same states, the same bytes");
+    let changed = read(&replace(0.5, "other")).unwrap();
+    let before = read(&bytes).unwrap();
+    assert_eq!(changed.len(), before.len());
+    for (new, old) in changed.iter().zip(&before) {
+        if old.starts_with("/expect/o") {
+            assert_eq!(*new, old.replace("[0.1,", "[0.5,"));
+        } else if !old.starts_with("Some") {
+            assert_eq!(new, old);
+        }
+    }
+    assert_eq!(changed.last().unwrap(), "Some([\"other\"])");
+    let other = ChannelKind::Expect("nobody".into());
+    let error = super::rewrite::replace_states(&bytes, path, &other, &header("n"), &frames(0.1));
+    insta::assert_snapshot!(error.unwrap_err(), @"b.mcap: not a readable trace: it has no channel /expect/nobody");
+}

@@ -67,15 +67,7 @@ impl<W: Write + Seek> TraceWriter<W> {
         scene_text: &[u8],
         compression: Compression,
     ) -> McapResult<Self> {
-        let mut mcap = WriteOptions::new()
-            .profile("ac-trace")
-            .library(concat!("ac-golden-traces ", env!("CARGO_PKG_VERSION")))
-            .compression(Some(mcap::Compression::Zstd))
-            .compression_level(compression.level())
-            // Worker threads would change how the data is cut, and with it the bytes.
-            .compression_threads(0)
-            .chunk_size(Some(compression.chunk_size()))
-            .create(out)?;
+        let mut mcap = options(compression).create(out)?;
         let mut metadata: BTreeMap<String, String> = [
             ("format".into(), info.version.to_string()),
             ("scene".into(), info.scene.clone()),
@@ -134,16 +126,7 @@ impl<W: Write + Seek> TraceWriter<W> {
             "jsonschema",
             schema().as_value().to_string().as_bytes(),
         )?;
-        let mut metadata = BTreeMap::new();
-        if let Some(header) = header {
-            metadata.insert("schema".into(), header.schema.clone());
-            metadata.insert("oracle".into(), header.oracle.clone());
-            metadata.insert("oracle_version".into(), header.oracle_version.to_string());
-            metadata.insert(
-                "notes".into(),
-                serde_json::Value::from(header.notes.clone()).to_string(),
-            );
-        }
+        let metadata = header.map(header_metadata).unwrap_or_default();
         let id = self
             .mcap
             .add_channel(schema, &kind.topic(), "json", &metadata)?;
@@ -172,6 +155,30 @@ impl<W: Write + Seek> TraceWriter<W> {
             self.script(step, time)?;
             self.next_step += 1;
         }
+        Ok(())
+    }
+
+    /// Begins the file at a later frame: its inputs are those of `frame`, at `time`, and after. To be called before the first
+    /// [`TraceWriter::write_inputs`]; log times are as if the frames before had been written.
+    ///
+    /// # Errors
+    /// When writing fails.
+    pub fn begin_at(&mut self, scene: &Scene, frame: u32, time: f64) -> McapResult<()> {
+        let before = scene.times().take(frame as usize).map(nanoseconds);
+        self.log_time = before.fold(nanoseconds(scene.start_time), u64::max);
+        while let Some(run) = scene.frames.get(self.next_run)
+            && self.next_run_frame < frame
+        {
+            let end = self.next_run_frame.saturating_add(run.count);
+            if end > frame {
+                let (dt, count) = (run.dt, end - frame);
+                self.clock(ClockRun { frame, dt, count }, time)?;
+            }
+            self.next_run += 1;
+            self.next_run_frame = end;
+        }
+        let steps = scene.script.iter();
+        self.next_step = steps.take_while(|step| step.frame < frame).count();
         Ok(())
     }
 
@@ -230,6 +237,27 @@ impl<W: Write + Seek> TraceWriter<W> {
         )
     }
 
+    /// Attaches bytes that belong to a time of the scene's clock, s. The messages before them end a chunk.
+    ///
+    /// # Errors
+    /// When writing fails.
+    pub fn attach(
+        &mut self,
+        name: &str,
+        media_type: &str,
+        time: f64,
+        data: &[u8],
+    ) -> McapResult<()> {
+        self.log_time = self.log_time.max(nanoseconds(time));
+        self.mcap.attach(&mcap::Attachment {
+            log_time: self.log_time,
+            create_time: self.log_time,
+            name: name.into(),
+            media_type: media_type.into(),
+            data: data.into(),
+        })
+    }
+
     fn send(&mut self, kind: &ChannelKind, sequence: u32, time: f64) -> McapResult<()> {
         let channel_id = *self
             .channels
@@ -255,12 +283,36 @@ impl<W: Write + Seek> TraceWriter<W> {
     }
 }
 
+/// How every trace is written.
+pub(super) fn options(compression: Compression) -> WriteOptions {
+    WriteOptions::new()
+        .profile("ac-trace")
+        .library(concat!("ac-golden-traces ", env!("CARGO_PKG_VERSION")))
+        .compression(Some(mcap::Compression::Zstd))
+        .compression_level(compression.level())
+        // Worker threads would change how the data is cut, and with it the bytes.
+        .compression_threads(0)
+        .chunk_size(Some(compression.chunk_size()))
+}
+
+/// Who wrote a channel, as the metadata of the channel.
+pub(super) fn header_metadata(header: &ChannelHeader) -> BTreeMap<String, String> {
+    let notes = serde_json::Value::from(header.notes.clone()).to_string();
+    [
+        ("schema".into(), header.schema.clone()),
+        ("oracle".into(), header.oracle.clone()),
+        ("oracle_version".into(), header.oracle_version.to_string()),
+        ("notes".into(), notes),
+    ]
+    .into()
+}
+
 /// Frame -1 has sequence 0.
-fn sequence(frame: i64) -> u32 {
+pub(super) fn sequence(frame: i64) -> u32 {
     u32::try_from(frame + 1).unwrap_or(0)
 }
 
 /// Clock seconds as a log time. Negative and not-a-number become 0, the infinite future the largest time.
-fn nanoseconds(time: f64) -> u64 {
+pub(super) fn nanoseconds(time: f64) -> u64 {
     (time * 1e9).round() as u64
 }

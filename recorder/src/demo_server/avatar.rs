@@ -108,7 +108,13 @@ impl Avatar {
 }
 
 /// Places beside the first entity where a guest may stand, m.
-const BESIDE: [(f32, f32); 5] = [(-4.0, -2.0), (4.0, -2.0), (0.0, -4.0), (0.0, 4.0), (1.5, 0.0)];
+const BESIDE: [(f32, f32); 5] = [
+    (-4.0, -2.0),
+    (4.0, -2.0),
+    (0.0, -4.0),
+    (0.0, 4.0),
+    (1.5, 0.0),
+];
 
 fn guest(config: &DemoConfig, run: &mut SceneRun) -> Option<(EntityId, EntitySpec)> {
     let first = config.scene.entities.first()?;
@@ -213,7 +219,11 @@ impl DemoServer {
             return None;
         }
         let old = is_newer(stamps.force, stored(Stamp::ForcePosition));
-        Some(if old { Age::BeforeCorrection } else { Age::Current })
+        Some(if old {
+            Age::BeforeCorrection
+        } else {
+            Age::Current
+        })
     }
 
     /// Compares where the client says it is with where it is.
@@ -221,7 +231,11 @@ impl DemoServer {
         let reported = place.to_position();
         let valid = reported.cell.is_inbound_valid()
             && reported.frame.is_valid(&self.config.profile)
-            && place.origin.iter().chain(&place.rotation).all(|v| v.is_finite());
+            && place
+                .origin
+                .iter()
+                .chain(&place.rotation)
+                .all(|v| v.is_finite());
         let Some(here) = self.run.world.entity(self.avatar.id) else {
             return;
         };

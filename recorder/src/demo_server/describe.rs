@@ -2,6 +2,7 @@
 
 use ac_client::entity::Entity;
 use ac_client::motion::{Action, Command, InterpretedMotionState, MovementUpdate, UpdateKind};
+use ac_client::net::messages::common::Table;
 use ac_client::net::messages::common::{Text, WirePosition};
 use ac_client::net::messages::movement::MovementData;
 use ac_client::net::messages::object::ObjectDescription;
@@ -12,7 +13,6 @@ use ac_client::net::messages::player_description::{
 use ac_client::net::messages::position::{PositionPack, PositionStamps};
 use ac_client::net::messages::property::{Attribute, Skill, Vital};
 use ac_client::net::messages::weenie_desc::{WeenieDesc, object_bits};
-use ac_client::net::messages::common::Table;
 use ac_client::physics::network::Stamp;
 use ac_client::world::World;
 use ac_golden_traces::scene::{EntityKind, EntitySpec};
@@ -120,7 +120,11 @@ fn physics(entity: &Entity, spec: &EntitySpec, stamps: &Stamps, world: &World) -
 
 fn weenie(spec: &EntitySpec) -> WeenieDesc {
     let (kind, item_type, bits) = match spec.kind {
-        EntityKind::Player => ("Player", CREATURE, object_bits::PLAYER | object_bits::ATTACKABLE),
+        EntityKind::Player => (
+            "Player",
+            CREATURE,
+            object_bits::PLAYER | object_bits::ATTACKABLE,
+        ),
         EntityKind::Creature => ("Creature", CREATURE, object_bits::ATTACKABLE),
         EntityKind::Object => ("Object", MISCELLANEOUS, 0),
         EntityKind::Missile => ("Missile", MISCELLANEOUS, 0),

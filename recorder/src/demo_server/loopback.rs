@@ -180,7 +180,8 @@ impl Loopback {
 
     /// After the script: log off, and when the server has let the player go, disconnect.
     fn leave(&mut self, now: f64) {
-        if self.player.wants_log_off() && !self.left && self.client.state() == ClientState::InWorld {
+        if self.player.wants_log_off() && !self.left && self.client.state() == ClientState::InWorld
+        {
             self.left = true;
             self.client.log_off(now);
         }

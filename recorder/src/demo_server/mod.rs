@@ -29,8 +29,8 @@ use ac_golden_traces::scene::FrameRun;
 use ac_replayer::SimulationError;
 use ac_replayer::client::SceneRun;
 
-pub use avatar::{Authority, Played};
 use avatar::Avatar;
+pub use avatar::{Authority, Played};
 pub use describe::Abilities;
 use known::Known;
 
@@ -99,7 +99,9 @@ pub enum DemoError {
         guid: u32,
     },
     /// The guest finds no room.
-    #[error("there is no room for a guest near the first entity of `{scene}`; play one of the scene's entities instead (--player)")]
+    #[error(
+        "there is no room for a guest near the first entity of `{scene}`; play one of the scene's entities instead (--player)"
+    )]
     NoRoom {
         /// The scene.
         scene: String,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use ac_client::dat::{DatSet, Strictness};
 use ac_client::profile::Profile;
-use ac_golden_traces::corpus;
+use ac_golden_traces::corpus::{self, Index};
 use ac_golden_traces::import::hash_world;
 use ac_golden_traces::trace::{FormatVersion, TraceInfo, TraceReader};
 use ac_golden_traces::{GoldenError, Scene};
@@ -205,6 +205,19 @@ impl GoldenSession {
     /// # Errors
     /// When scene or script are not there.
     pub fn start(&self) -> Result<Loopback, SessionError> {
+        self.start_with(self.script, SEED, 60.0)
+    }
+
+    /// The same with another script, another seed of the faults, and an end after `limit` s at the latest.
+    ///
+    /// # Errors
+    /// As [`GoldenSession::start`].
+    pub fn start_with(
+        &self,
+        script: &str,
+        seed: u64,
+        limit: f64,
+    ) -> Result<Loopback, SessionError> {
         let (scene, source) = bundled_scene(self.scene)?;
         let mut server = DemoConfig::new(scene, source);
         server.played = self.played;
@@ -215,11 +228,11 @@ impl GoldenSession {
         });
         Ok(Loopback::new(&LoopbackConfig {
             server,
-            script: Script::parse(self.script)?,
+            script: Script::parse(script)?,
             rate: RATE,
             faults: self.faults,
-            seed: SEED,
-            limit: 60.0,
+            seed,
+            limit,
             profile: Profile::retail(),
         })?)
     }
@@ -260,7 +273,8 @@ impl GoldenSession {
     }
 }
 
-/// Writes every session and its expectation under a folder like `golden-traces`: `packets/NAME.mcap` and `traces/packets/NAME.mcap`.
+/// Writes every session and its expectation under a folder like `golden-traces`: `packets/NAME.mcap` and `traces/packets/NAME.mcap`, and
+/// the index of all traces there.
 /// Answers one line per session.
 ///
 /// # Errors
@@ -284,5 +298,10 @@ pub fn write_all(root: &Path) -> Result<String, SessionError> {
             trace.len()
         );
     }
+    let index = serde_json::to_string_pretty(&Index::of(root)?).map_err(std::io::Error::from);
+    let path = root.join("index.json");
+    index
+        .and_then(|index| std::fs::write(&path, index + "\n"))
+        .map_err(|source| SessionError::Io { path, source })?;
     Ok(text)
 }

@@ -99,7 +99,9 @@ fn authority(text: &str) -> Result<Authority, String> {
     }
     match text.parse::<f32>() {
         Ok(over) if over >= 0.0 && over.is_finite() => Ok(Authority::Server(over)),
-        _ => Err(format!("`{text}` is neither `client` nor a distance in metres")),
+        _ => Err(format!(
+            "`{text}` is neither `client` nor a distance in metres"
+        )),
     }
 }
 
@@ -108,7 +110,9 @@ fn authority(text: &str) -> Result<Authority, String> {
 pub enum ShellError {
     /// The scene cannot be read.
     #[error("scene: {0}")]
-    #[diagnostic(help("--scene takes the name of a bundled scene (golden-traces/index.json lists them), a `*.scene.json`, or a trace"))]
+    #[diagnostic(help(
+        "--scene takes the name of a bundled scene (golden-traces/index.json lists them), a `*.scene.json`, or a trace"
+    ))]
     Golden(#[from] GoldenError),
     /// The world cannot be opened.
     #[error("world {}: {reason}", path.display())]
@@ -131,7 +135,9 @@ pub enum ShellError {
     Fault(&'static str),
     /// A socket does not work.
     #[error("UDP {address}: {source}")]
-    #[diagnostic(help("two ports in a row are used, the named one and the next; another program may have one of them"))]
+    #[diagnostic(help(
+        "two ports in a row are used, the named one and the next; another program may have one of them"
+    ))]
     Socket {
         /// The address.
         address: SocketAddr,
@@ -150,7 +156,9 @@ impl FaultArgs {
             delay: self.delay,
             jitter: self.jitter,
         };
-        faults.invalid().map_or(Ok(faults), |name| Err(ShellError::Fault(name)))
+        faults
+            .invalid()
+            .map_or(Ok(faults), |name| Err(ShellError::Fault(name)))
     }
 }
 
@@ -239,7 +247,12 @@ impl Shell {
         };
         let login = bind(listen).await?;
         let mut after = listen;
-        after.set_port(login.local_addr().map_or(listen.port(), |a| a.port()).wrapping_add(1));
+        after.set_port(
+            login
+                .local_addr()
+                .map_or(listen.port(), |a| a.port())
+                .wrapping_add(1),
+        );
         Ok(Self {
             next: bind(after).await?,
             login,

@@ -107,11 +107,7 @@ impl DemoServer {
     }
 
     /// A move-to as it travels.
-    fn move_to(
-        &self,
-        action: &Action,
-        entity: &ac_client::entity::Entity,
-    ) -> Option<UpdateKind> {
+    fn move_to(&self, action: &Action, entity: &ac_client::entity::Entity) -> Option<UpdateKind> {
         let world = &self.run.world;
         let profile = &world.profile;
         let run_rate = entity

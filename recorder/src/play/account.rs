@@ -156,9 +156,15 @@ mod tests {
     fn each_kind_of_server_gets_its_login() {
         let account = Account::new("tester", "secret");
         let ace = account.login(ServerKind::Ace, 1);
-        assert_eq!((ace.account.as_str(), ace.secret.as_deref()), ("tester", Some("secret")));
+        assert_eq!(
+            (ace.account.as_str(), ace.secret.as_deref()),
+            ("tester", Some("secret"))
+        );
         let gdle = account.login(ServerKind::Gdle, 1);
-        assert_eq!((gdle.account.as_str(), gdle.secret), ("tester:secret", None));
+        assert_eq!(
+            (gdle.account.as_str(), gdle.secret),
+            ("tester:secret", None)
+        );
         assert!(ace.to_bytes().is_ok() && !format!("{account:?}").contains("secret"));
     }
 }

@@ -16,8 +16,8 @@
 
 use ac_client::motion::{Command, CommandInterpreter, Scene};
 use ac_client::net::client::GameClient;
-use ac_client::net::messages::common::Text;
 use ac_client::net::messages::GameAction;
+use ac_client::net::messages::common::Text;
 use miette::Diagnostic;
 use thiserror::Error;
 
@@ -134,7 +134,9 @@ fn step(text: &str) -> Result<Step, String> {
     let rest = rest.trim();
     let number = |text: &str| match text.parse::<f64>() {
         Ok(n) if (0.0..=LONGEST).contains(&n) => Ok(n),
-        _ => Err(format!("`{name}` needs a number from 0 to {LONGEST}, not `{text}`")),
+        _ => Err(format!(
+            "`{name}` needs a number from 0 to {LONGEST}, not `{text}`"
+        )),
     };
     let key = |text: &str| Key::named(text).ok_or_else(|| format!("`{text}` is no key"));
     Ok(match (name, rest) {
@@ -316,9 +318,18 @@ mod tests {
     fn errors_name_line_and_command() {
         for (text, error) in [
             ("wait 1\nfly 2", "script, line 2: `fly 2` is no command"),
-            ("forward", "script, line 1: `forward` needs a number from 0 to 3600, not ``"),
-            ("wait -1", "script, line 1: `wait` needs a number from 0 to 3600, not `-1`"),
-            ("wait nan", "script, line 1: `wait` needs a number from 0 to 3600, not `nan`"),
+            (
+                "forward",
+                "script, line 1: `forward` needs a number from 0 to 3600, not ``",
+            ),
+            (
+                "wait -1",
+                "script, line 1: `wait` needs a number from 0 to 3600, not `-1`",
+            ),
+            (
+                "wait nan",
+                "script, line 1: `wait` needs a number from 0 to 3600, not `nan`",
+            ),
             ("hold up", "script, line 1: `up` is no key"),
             ("say", "script, line 1: `say` needs a text"),
             ("logoff now", "script, line 1: `logoff now` is no command"),

@@ -79,7 +79,9 @@ pub enum PlayError {
     Login(#[from] LoginError),
     /// The dat files cannot be opened.
     #[error("dat files in {}: {reason}", path.display())]
-    #[diagnostic(help("name their folder with --dats; the client predicts its own movement and needs the map"))]
+    #[diagnostic(help(
+        "name their folder with --dats; the client predicts its own movement and needs the map"
+    ))]
     World {
         /// Their folder.
         path: PathBuf,
@@ -220,9 +222,9 @@ impl Session {
             self.send().await;
         }
         if let Some(recording) = self.recording.take() {
-            recording
-                .finish()
-                .map_err(|e| PlayError::Session(format!("the recording cannot be finished: {e}")))?;
+            recording.finish().map_err(|e| {
+                PlayError::Session(format!("the recording cannot be finished: {e}"))
+            })?;
         }
         match failure {
             Some(reason) => Err(PlayError::Session(reason)),
@@ -257,8 +259,11 @@ impl Session {
     fn record(&mut self, direction: Direction, port: Port, bytes: &[u8]) {
         let time = SystemTime::UNIX_EPOCH.elapsed().unwrap_or_default();
         if let Some(recording) = &mut self.recording
-            && let Err(error) =
-                recording.write(Stream::new(0, direction, port), time.as_nanos() as u64, bytes)
+            && let Err(error) = recording.write(
+                Stream::new(0, direction, port),
+                time.as_nanos() as u64,
+                bytes,
+            )
         {
             tracing::error!(%error, "the recording ends here");
             self.recording = None;
@@ -301,11 +306,17 @@ impl Session {
     }
 
     fn tell_place(&mut self, now: f64) {
-        let player = self.client.player().and_then(|id| self.client.world.entity(id));
+        let player = self
+            .client
+            .player()
+            .and_then(|id| self.client.world.entity(id));
         if let Some(player) = player.filter(|_| now - self.last_place >= PLACE) {
             let place = player.body.position;
             let [x, y, z] = place.frame.origin.to_array();
-            println!("{now:8.2}   at 0x{:08X} ({x:.2}, {y:.2}, {z:.2})", place.cell.0);
+            println!(
+                "{now:8.2}   at 0x{:08X} ({x:.2}, {y:.2}, {z:.2})",
+                place.cell.0
+            );
             self.last_place = now;
         }
     }
@@ -343,7 +354,13 @@ fn tell(now: f64, happening: &Happening) {
                 (ServerMessage::Plain(P::ServerText(s)), _) => {
                     println!("{now:8.2} \" {}", s.text.to_str());
                 }
-                (ServerMessage::Event { event: GameEvent::PingResponse(()), .. }, _) => {}
+                (
+                    ServerMessage::Event {
+                        event: GameEvent::PingResponse(()),
+                        ..
+                    },
+                    _,
+                ) => {}
                 (_, Verdict::Dropped(Dropped::Old(_) | Dropped::Echo)) => {}
                 (_, Verdict::Dropped(why)) => println!("{now:8.2} ! {name}: {why:?}"),
                 _ => {}

@@ -1,8 +1,10 @@
 //! The client library behind the [seam](crate::simulation): worlds from dat files, scenes run frame by frame.
 
 mod entity;
+pub mod planning;
 mod scene;
 mod script;
+mod snapshot;
 mod stages;
 
 use std::collections::BTreeMap;
@@ -10,11 +12,15 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use ac_client::dat::{DatSet, Strictness};
+use ac_client::frame::plan::{Outputs, WorldIndex};
 use ac_client::profile::Profile;
 use ac_golden_traces::Scene;
 
-pub use scene::SceneRun;
+pub use planning::PlanChoice;
+pub use scene::{ScenePlan, SceneRun};
 pub use script::params as move_parameters;
+pub use snapshot::SCENE_VERSION;
+pub(crate) use snapshot::to_json as snapshot_to_json;
 
 use crate::packets::{self, PacketRun, Recording, Session};
 use crate::simulation::{Simulation, SimulationError, Simulator};
@@ -27,6 +33,10 @@ pub struct ClientSimulator {
     /// Folder of the packet recordings that scenes name.
     packets: PathBuf,
     opened: Mutex<BTreeMap<String, Arc<DatSet>>>,
+    plan: PlanChoice,
+    outputs: Outputs,
+    /// By world and profile.
+    indexes: Mutex<BTreeMap<(String, String), Arc<WorldIndex>>>,
 }
 
 impl ClientSimulator {
@@ -37,7 +47,75 @@ impl ClientSimulator {
             packets: worlds.with_file_name(packets::AREA),
             worlds,
             opened: Mutex::default(),
+            plan: PlanChoice::default(),
+            outputs: Outputs::default(),
+            indexes: Mutex::default(),
         }
+    }
+
+    /// How much of a scene's work is done, for scenes that are started from now on.
+    #[must_use]
+    pub fn with_plan(self, plan: PlanChoice) -> Self {
+        Self { plan, ..self }
+    }
+
+    /// What is wanted of scenes beside their states: no plan leaves it out.
+    #[must_use]
+    pub fn with_outputs(self, outputs: Outputs) -> Self {
+        Self { outputs, ..self }
+    }
+
+    /// What belongs together in a world under a profile: from the file beside its dat files, else measured once.
+    ///
+    /// # Errors
+    /// When the dat files cannot be opened or their directory cannot be read.
+    pub fn index(&self, name: &str, profile: &Profile) -> Result<Arc<WorldIndex>, SimulationError> {
+        let profile_name = profile_key(profile);
+        let key = (name.to_owned(), profile_name);
+        // Kept locked meanwhile: others would measure the same.
+        let mut indexes = self.indexes.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(index) = indexes.get(&key) {
+            return Ok(Arc::clone(index));
+        }
+        let stored = planning::stored_index(&self.worlds.join(name), &key.1);
+        let index = match stored {
+            Some(index) => index,
+            None => planning::measure_index(&self.world(name)?, profile).map_err(|error| {
+                SimulationError::World {
+                    world: name.to_owned(),
+                    reason: error.to_string(),
+                }
+            })?,
+        };
+        let index = Arc::new(index);
+        indexes.insert(key, Arc::clone(&index));
+        Ok(index)
+    }
+
+    /// Starts a scene under the chosen plan, as [`Simulator::start`] does.
+    ///
+    /// # Errors
+    /// As [`Simulator::start`]; a given plan that leaves out what may change results.
+    pub fn run(&self, scene: &Scene, profile: &Profile) -> Result<SceneRun, SimulationError> {
+        let source = self.world(&scene.world)?;
+        if self.plan == PlanChoice::OnDemand {
+            return SceneRun::new(scene, source, profile);
+        }
+        let index = self.index(&scene.world, profile)?;
+        let outline = planning::outline(scene, self.outputs);
+        let plan = self
+            .plan
+            .plan_for(&outline, source.as_ref(), &index, profile);
+        let plan = plan.map_err(|reason| SimulationError::Plan {
+            scene: scene.name.clone(),
+            reason,
+        })?;
+        let plan = plan.map(|plan| ScenePlan {
+            plan,
+            index,
+            outline,
+        });
+        SceneRun::planned(scene, source, profile, plan)
     }
 
     /// The session that a scene of the feature `packets` stands for: `packets/NAME.mcap`.
@@ -78,11 +156,36 @@ impl Simulator for ClientSimulator {
         scene: &Scene,
         profile: &Profile,
     ) -> Result<Box<dyn Simulation>, SimulationError> {
-        let source = self.world(&scene.world)?;
-        if scene.features.iter().any(|tag| tag == packets::FEATURE) {
+        if packets::drive(scene) {
+            let source = self.world(&scene.world)?;
             let session = self.session(scene)?;
             return Ok(Box::new(PacketRun::new(scene, session, source, profile)));
         }
-        Ok(Box::new(SceneRun::new(scene, source, profile)?))
+        Ok(Box::new(self.run(scene, profile)?))
     }
+
+    fn resume(
+        &self,
+        scene: &Scene,
+        profile: &Profile,
+        snapshot: &[u8],
+    ) -> Result<Box<dyn Simulation>, SimulationError> {
+        if packets::drive(scene) {
+            return Err(SimulationError::Snapshot {
+                reason: "a replay of packets takes no snapshots: start it at its first frame"
+                    .into(),
+            });
+        }
+        let source = self.world(&scene.world)?;
+        Ok(Box::new(SceneRun::resume(
+            scene, source, profile, snapshot,
+        )?))
+    }
+}
+
+/// The name of a profile; all of it if it has none.
+fn profile_key(profile: &Profile) -> String {
+    let known = |name: &&&str| Profile::named(name).is_some_and(|p| p == *profile);
+    let name = Profile::NAMES.iter().find(known);
+    name.map_or_else(|| format!("{profile:?}"), |name| (*name).to_owned())
 }

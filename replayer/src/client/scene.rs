@@ -4,8 +4,12 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use ac_client::dat::DatSet;
+use ac_client::frame::plan::{
+    ActivePlan, Extended, Latent, LatentPlace, Plan, SceneOutline, WorldIndex,
+};
 use ac_client::frame::state::Fields;
 use ac_client::frame::{FrameState, FrameStates, Host, NoProbe, Pipeline, Probe};
+use ac_client::math::CellId;
 use ac_client::physics::body::EntityId;
 use ac_client::profile::Profile;
 use ac_client::world::{World, WorldSource};
@@ -23,25 +27,46 @@ use crate::simulation::{Simulation, SimulationError};
 pub struct SceneRun {
     /// Everything that exists.
     pub world: World,
-    scene: Scene,
-    pipeline: Pipeline,
+    pub(super) scene: Scene,
+    pub(super) pipeline: Pipeline,
     /// By GUID: the newest object that was created under it.
-    objects: BTreeMap<u32, SceneObject>,
+    pub(super) objects: BTreeMap<u32, SceneObject>,
     /// The next step of the script.
-    next_step: usize,
+    pub(super) next_step: usize,
     /// Notes about creations, in order.
-    notes: Vec<String>,
-    source: Arc<DatSet>,
+    pub(super) notes: Vec<String>,
+    pub(super) source: Arc<DatSet>,
     /// The same scene beside stage records; made by the first that needs it.
-    companion: Option<Box<stages::Companion>>,
+    pub(super) companion: Option<Box<stages::Companion>>,
+}
+
+/// A plan with what is needed to carry it out.
+#[derive(Debug, Clone)]
+pub struct ScenePlan {
+    /// The plan.
+    pub plan: Arc<Plan>,
+    /// Index of the world under the profile of the run.
+    pub index: Arc<WorldIndex>,
+    /// The scene, as its planner saw it.
+    pub outline: SceneOutline,
+}
+
+/// An entity that is created late.
+#[derive(Debug)]
+struct LateEntity(EntitySpec);
+
+impl Latent for LateEntity {
+    fn create(&self, world: &mut World) -> Option<EntityId> {
+        entity::create(&self.0, None, world).0
+    }
 }
 
 /// An entity of the scene.
 #[derive(Debug, Clone, Copy)]
-struct SceneObject {
-    id: EntityId,
+pub(super) struct SceneObject {
+    pub id: EntityId,
     /// A step has destroyed it: it exists outside world and object table.
-    destroyed: bool,
+    pub destroyed: bool,
 }
 
 /// Runs the script steps of a frame as its input stage.
@@ -54,6 +79,9 @@ struct ScriptInput<'a> {
 }
 
 impl Host for ScriptInput<'_> {
+    /// Nothing ends in a scene but by its script: the oracles keep no queue of what is out of sight (`spec/oracles.md`, 2.3).
+    fn out_of_sight(&mut self, _id: EntityId, _world: &mut World) {}
+
     fn input(&mut self, world: &mut World) {
         let scene = self.scene;
         while let Some(step) = scene.script.get(*self.next_step) {
@@ -133,6 +161,19 @@ impl SceneRun {
         source: Arc<DatSet>,
         profile: &Profile,
     ) -> Result<Self, SimulationError> {
+        Self::planned(scene, source, profile, None)
+    }
+
+    /// As [`SceneRun::new`], under a plan.
+    ///
+    /// # Errors
+    /// As [`SceneRun::new`].
+    pub fn planned(
+        scene: &Scene,
+        source: Arc<DatSet>,
+        profile: &Profile,
+        plan: Option<ScenePlan>,
+    ) -> Result<Self, SimulationError> {
         let map: Arc<dyn WorldSource> = Arc::clone(&source) as _;
         let mut run = Self {
             world: World::with_source(profile.clone(), scene.start_time, map),
@@ -144,10 +185,60 @@ impl SceneRun {
             source,
             companion: None,
         };
+        let mut late = plan.map(|plan| run.carry_out(&plan)).unwrap_or_default();
         for spec in &scene.entities {
-            create(spec, &mut run.objects, &mut run.notes, &mut run.world);
+            let put_off = late
+                .remove(&spec.guid)
+                .is_some_and(|place| run.world.put_off(place, Arc::new(LateEntity(*spec))));
+            if !put_off {
+                create(spec, &mut run.objects, &mut run.notes, &mut run.world);
+            }
         }
         Ok(run)
+    }
+
+    /// Sets the plan; answers the places of entities whose creation can wait, by GUID.
+    fn carry_out(&mut self, plan: &ScenePlan) -> BTreeMap<u32, LatentPlace> {
+        let ScenePlan {
+            plan,
+            index,
+            outline,
+        } = plan;
+        let late = outline.latent_places(plan, self.source.as_ref());
+        let followed = outline.load_point;
+        let start = outline.entities.iter().find(|e| Some(e.guid) == followed);
+        let start: Option<CellId> = start.map(|e| e.position.cell);
+        let active = ActivePlan::new(Arc::clone(plan), Arc::clone(index), followed);
+        self.world.set_plan(active, start);
+        late
+    }
+
+    /// How often the plan was extended so far; nothing without a plan.
+    pub fn extended(&self) -> Extended {
+        self.world
+            .plan
+            .as_ref()
+            .map(|plan| plan.extended)
+            .unwrap_or_default()
+    }
+
+    /// Brings everything that a plan has put off up to date, but for entities that are still to be created: for those who want to look at
+    /// all of the world between two frames.
+    pub fn settle(&mut self) {
+        self.world.catch_up_all();
+        self.take_born();
+    }
+
+    /// Takes the entities that were created late into the table of the scene.
+    fn take_born(&mut self) {
+        let born = self.world.plan.as_mut().map(|plan| plan.take_born());
+        for (guid, id) in born.into_iter().flatten() {
+            let object = SceneObject {
+                id,
+                destroyed: false,
+            };
+            self.objects.insert(guid, object);
+        }
     }
 
     /// The scene.
@@ -160,6 +251,12 @@ impl SceneRun {
         &self.notes
     }
 
+    /// Cuts time otherwise than the retail client from now on. Called before the first frame.
+    pub fn set_fidelity(&mut self, fidelity: ac_client::frame::Fidelity) {
+        fidelity.apply(&mut self.world.profile);
+        self.pipeline.fidelity = fidelity;
+    }
+
     /// The object of a GUID, destroyed or not.
     pub fn object(&self, guid: u32) -> Option<EntityId> {
         self.objects.get(&guid).map(|o| o.id)
@@ -167,7 +264,12 @@ impl SceneRun {
 
     /// Runs a frame under the eyes of a probe: the clock advances, the script's steps run, every entity is advanced.
     pub fn run_frame<P: Probe>(&mut self, frame: u32, probe: &mut P) {
+        self.take_born();
         for object in self.objects.values() {
+            if self.world.is_idle(object.id) {
+                // Nobody asks for its records.
+                continue;
+            }
             if let Some(entity) = self.world.entity_mut(object.id) {
                 entity.begin_frame();
             }
@@ -264,6 +366,15 @@ impl Simulation for SceneRun {
         self.run_frame(frame, &mut CheckpointProbe::new(frame, checkpoints));
         self.write_records(i32::try_from(frame).unwrap_or(i32::MAX), out);
         Ok(())
+    }
+
+    fn records(&self, frame: i32, out: &mut FrameStates) -> Result<(), SimulationError> {
+        self.write_records(frame, out);
+        Ok(())
+    }
+
+    fn snapshot(&self) -> Result<Option<Vec<u8>>, SimulationError> {
+        self.take_snapshot().map(Some)
     }
 
     fn load_state(&mut self, expected: &FrameState) -> Result<(), SimulationError> {

@@ -34,7 +34,10 @@ pub struct PacketArgs {
 
 fn tracks(text: &str) -> Result<Tracks, String> {
     let guid = |text: &str| {
-        let digits = text.trim().trim_start_matches("0x").trim_start_matches("0X");
+        let digits = text
+            .trim()
+            .trim_start_matches("0x")
+            .trim_start_matches("0X");
         u32::from_str_radix(digits, 16).map_err(|_| format!("`{text}` is no GUID in hexadecimal"))
     };
     Ok(match text {
@@ -62,11 +65,23 @@ impl PacketArgs {
             .unwrap_or_default()
             .to_string_lossy()
             .chars()
-            .map(|c| if c.is_ascii_alphanumeric() || "-_.+".contains(c) { c } else { '_' })
+            .map(|c| {
+                if c.is_ascii_alphanumeric() || "-_.+".contains(c) {
+                    c
+                } else {
+                    '_'
+                }
+            })
             .collect();
         let summary = format!("Recorded session of client {}.", session.client);
         let scene = scene_of(
-            &session, &name, &summary, &self.world, self.clock, &self.track, path,
+            &session,
+            &name,
+            &summary,
+            &self.world,
+            self.clock,
+            &self.track,
+            path,
         )
         .into_diagnostic()?;
         Ok((session, scene))
@@ -90,10 +105,19 @@ pub fn run(
     let mut run = PacketRun::new(scene, Arc::new(session), source, profile);
     let context = || format!("cannot write {}", output.display());
     let text = serde_json::to_vec_pretty(scene).into_diagnostic()?;
-    let out = File::create(output).into_diagnostic().wrap_err_with(context)?;
-    let frames = replay(&mut run, scene, &text, info, Detail::States, BufWriter::new(out))
+    let out = File::create(output)
         .into_diagnostic()
         .wrap_err_with(context)?;
+    let frames = replay(
+        &mut run,
+        scene,
+        &text,
+        info,
+        Detail::States,
+        BufWriter::new(out),
+    )
+    .into_diagnostic()
+    .wrap_err_with(context)?;
     if run.player().is_none() {
         return Err(miette!(
             help = "the trace was written; it has no player",
@@ -108,7 +132,10 @@ pub fn run(
     );
     text += &report(&run.stats());
     if let Some(damage) = damage {
-        let _ = writeln!(text, "the recording is damaged ({damage}): replayed up to there");
+        let _ = writeln!(
+            text,
+            "the recording is damaged ({damage}): replayed up to there"
+        );
     }
     Ok(text)
 }
@@ -129,9 +156,17 @@ fn report(stats: &ReplayStats) -> String {
         s.dropped - s.stale,
         s.event_gaps
     );
-    let _ = write!(text, "{} positions reported by the recorded client: {} predicted exactly", r.count, r.exact);
+    let _ = write!(
+        text,
+        "{} positions reported by the recorded client: {} predicted exactly",
+        r.count, r.exact
+    );
     if let Some(frame) = r.first_other {
-        let _ = write!(text, ", the others within {} m (first in frame {frame})", r.largest);
+        let _ = write!(
+            text,
+            ", the others within {} m (first in frame {frame})",
+            r.largest
+        );
     }
     text.push('\n');
     text

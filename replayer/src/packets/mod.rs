@@ -16,8 +16,10 @@ pub mod trace;
 
 use std::path::PathBuf;
 
+use ac_golden_traces::Scene;
+
 pub use clock::FrameClock;
-pub use recording::{Datagram, Recording, is_recording};
+pub use recording::{Datagram, Recording, is_recording, recording_at};
 pub use run::{PacketRun, ReplayStats, Reports};
 pub use session::{DatagramStats, Session};
 pub use trace::{Tracks, scene_of, write_expectation};
@@ -26,6 +28,11 @@ pub use trace::{Tracks, scene_of, write_expectation};
 pub const FEATURE: &str = "packets";
 /// First part of their names.
 pub const AREA: &str = "packets";
+
+/// Whether a packet recording drives a scene.
+pub fn drive(scene: &Scene) -> bool {
+    scene.features.iter().any(|tag| tag == FEATURE)
+}
 
 /// Why a recording cannot be replayed.
 #[derive(Debug, thiserror::Error)]
@@ -45,7 +52,7 @@ pub enum PacketsError {
         path: PathBuf,
     },
     /// The recording's format is not known.
-    #[error("{}: packet format {found}, this program reads format 1; use a newer one", path.display())]
+    #[error("{}: packet format {found}, this program reads formats up to 2; use a newer one", path.display())]
     Version {
         /// The file.
         path: PathBuf,

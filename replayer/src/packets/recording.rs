@@ -9,8 +9,8 @@ use super::PacketsError;
 
 /// Name of the metadata record.
 const METADATA: &str = "ac-packets";
-/// Version of the format that is read.
-const VERSION: &str = "1";
+/// Versions of the format that are read: what this reader looks at is the same in both.
+const VERSIONS: [&str; 2] = ["1", "2"];
 
 /// A recorded datagram.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,15 +37,25 @@ pub struct Recording {
 /// The metadata's `format`, if the bytes are an MCAP file with the metadata of a packet recording.
 fn format_of(bytes: &[u8]) -> Option<String> {
     let records = LinearReader::new_with_options(bytes, Options::IgnoreEndMagic.into()).ok()?;
-    records.map_while(Result::ok).find_map(|record| match record {
-        Record::Metadata(m) if m.name == METADATA => m.metadata.get("format").cloned(),
-        _ => None,
-    })
+    records
+        .map_while(Result::ok)
+        .find_map(|record| match record {
+            Record::Metadata(m) if m.name == METADATA => m.metadata.get("format").cloned(),
+            _ => None,
+        })
 }
 
 /// Whether the bytes are a packet recording.
 pub fn is_recording(bytes: &[u8]) -> bool {
     format_of(bytes).is_some()
+}
+
+/// The bytes of a file that is a packet recording; `None` for any other file, also for one that cannot be read.
+pub fn recording_at(path: &Path) -> Option<Vec<u8>> {
+    if path.extension().is_none_or(|ending| ending != "mcap") {
+        return None;
+    }
+    std::fs::read(path).ok().filter(|bytes| is_recording(bytes))
 }
 
 /// Client and direction of a channel; `None` for channels of others.
@@ -67,8 +77,9 @@ impl Recording {
     /// # Errors
     /// When the bytes are no recording of a version that is known, or are damaged from the start.
     pub fn parse(bytes: &[u8], path: &Path) -> Result<Self, PacketsError> {
-        let format = format_of(bytes).ok_or_else(|| PacketsError::NotARecording { path: path.into() })?;
-        if format != VERSION {
+        let format =
+            format_of(bytes).ok_or_else(|| PacketsError::NotARecording { path: path.into() })?;
+        if !VERSIONS.contains(&format.as_str()) {
             return Err(PacketsError::Version {
                 path: path.into(),
                 found: format,

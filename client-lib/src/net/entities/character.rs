@@ -2,9 +2,9 @@
 
 use super::{GameEntities, Verdict};
 use crate::motion::Character;
+use crate::net::messages::PropertyUpdate;
 use crate::net::messages::player_description::PlayerDescription;
 use crate::net::messages::property::{Attribute, PropertyValue, Skill};
-use crate::net::messages::PropertyUpdate;
 use crate::world::World;
 
 /// Skill ids.
@@ -18,7 +18,9 @@ const STAMINA: u32 = 4;
 fn level(skill: &Skill) -> i32 {
     // What enchantments and attributes add is in tables that this library does not read: the trained part stands for the skill.
     let ranks = i32::from(skill.ranks);
-    i32::try_from(skill.start).unwrap_or(i32::MAX).saturating_add(ranks)
+    i32::try_from(skill.start)
+        .unwrap_or(i32::MAX)
+        .saturating_add(ranks)
 }
 
 fn value(attribute: &Attribute) -> i32 {

@@ -115,4 +115,3 @@ pub(super) fn take_weenie(entity: &mut Entity, desc: &WeenieDesc) {
             | bit(has(object_bits::DOOR), 0x40),
     });
 }
-

@@ -90,7 +90,6 @@ impl CylSphere {
         scale: f32,
         t: &mut Transition<'_>,
     ) -> TransitionState {
-        t.cache_localspace_sphere(position, 1.0);
         let low = t
             .path
             .check_pos
@@ -100,7 +99,18 @@ impl CylSphere {
             radius: self.radius * scale,
             height: self.height * scale,
         };
+        if !t.path.collide && own.hits(t, own.first_reach(t)) == [false, false] {
+            // Every rule but that of landing asks for a hit.
+            return TransitionState::Ok;
+        }
+        // Only what follows a hit looks at the obstacle's space.
+        t.cache_localspace_sphere(position, 1.0);
         own.intersects_sphere(t)
+    }
+
+    /// Touching distance of the mover's first sphere.
+    fn first_reach(&self, t: &Transition<'_>) -> f32 {
+        self.reach(t.path.global_sphere[0].radius, t.profile())
     }
 
     fn touch(&self, t: &Transition<'_>, index: usize, reach: f32) -> Touch {
@@ -126,7 +136,7 @@ impl CylSphere {
 
     /// Tests this cylinder, in check space, against the mover (9.4).
     pub fn intersects_sphere(&self, t: &mut Transition<'_>) -> TransitionState {
-        let reach = self.reach(t.path.global_sphere[0].radius, t.profile());
+        let reach = self.first_reach(t);
         let hits = self.hits(t, reach);
         let blocked = if hits[0] || hits[1] {
             TransitionState::Collided

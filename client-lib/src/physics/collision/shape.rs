@@ -7,6 +7,9 @@ use super::polygon_list::PolygonList;
 use crate::math::{BoundingBox, EPSILON, Position, Sphere, Vec3};
 use crate::physics::transition::{InsertType, Transition, TransitionState};
 
+/// Distance, m, from which on a sphere is surely not near a bounding sphere: the exact test compares squares with a tolerance.
+const SHAPE_MARGIN: f32 = 0.2;
+
 /// Collision and bounds of one graphics object, in its own space. Shared by all parts that show it.
 #[derive(Debug, Clone, Default)]
 pub struct GfxShape {
@@ -127,9 +130,17 @@ impl GfxShape {
 impl<'w> PlacedPart<'w> {
     /// Tests the part against the mover (12.2): Ok for a part without a shape or without collision polygons.
     pub fn find_obj_collisions(&self, t: &mut Transition<'w>) -> TransitionState {
-        let Some(shape) = self.shape.filter(|shape| shape.physics.is_some()) else {
+        let Some(shape) = self.shape else {
             return TransitionState::Ok;
         };
+        let Some(bound) = shape.physics_sphere() else {
+            return TransitionState::Ok;
+        };
+        let scale = self.scale.z.abs();
+        let reach = (bound.center.length() + bound.radius.abs() + SHAPE_MARGIN) * scale;
+        if t.is_apart(self.position, reach) {
+            return TransitionState::Ok;
+        }
         t.cache_localspace_sphere(self.position, self.scale.z);
         shape.find_obj_collisions(t, self.scale.z)
     }

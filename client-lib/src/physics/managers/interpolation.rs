@@ -245,7 +245,7 @@ impl InterpolationManager {
             self.progress_quantum = 0.0;
             self.original_distance = distance;
         }
-        let mut way = head.relative_to(object.position, profile);
+        let mut way = self.way_to(head, object.position, profile);
         let step = speed * object.quantum;
         let length = way.origin.length();
         if length <= REACHED {
@@ -258,6 +258,19 @@ impl InterpolationManager {
             way.set_heading(0.0, profile);
         }
         *offset = way;
+    }
+
+    /// The next position as seen from the object. `01:F6`: one reference overwrites the node with it, and takes the object's frame off as if it
+    /// undid a combine; blocks are not looked at.
+    fn way_to(&mut self, head: &Position, own: &Position, profile: &Profile) -> Frame {
+        if !profile.relative_mutates {
+            return head.relative_to(own, profile);
+        }
+        let way = head.frame.subtract_animation(&own.frame, profile);
+        if let Some(node) = self.queue.front_mut() {
+            node.position.frame = way;
+        }
+        way
     }
 
     /// Drops the next node, reached or given up.

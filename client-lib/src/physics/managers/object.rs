@@ -393,12 +393,13 @@ impl Entity {
     /// Looks through the watchers and tells those for whom this object has moved enough (`HandleTargetting`).
     pub fn handle_targetting(&mut self, world: &mut World) {
         let now = world.clock.now;
-        let sim_time = world.clock.sim_time;
+        // O-20: inside the step, or of the frame.
+        let time = world.collision_clock();
         let times_out = world.profile.unknown_target_times_out;
         let Some(manager) = &mut self.target_manager else {
             return;
         };
-        if sim_time - manager.last_update < CHECK_INTERVAL {
+        if time - manager.last_update < CHECK_INTERVAL {
             return;
         }
         if let Some(target) = &mut manager.target
@@ -419,7 +420,7 @@ impl Entity {
             Some(voyeur.update(ahead, report, TargetStatus::Ok))
         });
         if let Some(manager) = &mut self.target_manager {
-            manager.last_update = sim_time;
+            manager.last_update = time;
         }
     }
 

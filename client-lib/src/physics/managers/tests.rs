@@ -160,6 +160,28 @@ fn velocity_nodes_are_taken_when_they_come() {
     assert_eq!(manager.complete_head(&own), None);
 }
 
+/// `01:F6`: the relative frame overwrites the node, so the next quantum goes somewhere else.
+#[test]
+fn a_relative_frame_that_mutates_moves_the_goal() {
+    let own = at(60.0, 24.0);
+    let goal = at(65.0, 24.0);
+    let node_after = |relative_mutates: bool| {
+        let profile = Profile {
+            relative_mutates,
+            ..Profile::retail()
+        };
+        let mut manager = InterpolationManager::default();
+        interpolate(&mut manager, goal, own);
+        let mut offset = Frame::IDENTITY;
+        manager.adjust_offset(&mut offset, &follow(&own), &profile);
+        // The step itself is the same here: no rotation, one block.
+        assert!((offset.origin - Vec3::new(0.32, 0.0, 0.0)).length() < 1e-6);
+        manager.queue[0].position.frame.origin
+    };
+    assert_eq!(node_after(false), goal.frame.origin);
+    assert_eq!(node_after(true), Vec3::new(5.0, 0.0, 0.0));
+}
+
 #[test]
 fn an_interpolation_that_does_not_work_breaks_the_object() {
     let mut profile = Profile::retail();

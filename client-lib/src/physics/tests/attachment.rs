@@ -37,6 +37,14 @@ fn cycles_are_refused() {
     for id in [a, b, c] {
         check_membership(&world, id);
     }
+    let guid = |id: EntityId| world.entity(id).expect("there").guid();
+    let carrier = world.entity(a).expect("there");
+    assert_eq!(carrier.child_of_guid(guid(b), &world), Some(b));
+    assert_eq!(
+        carrier.child_of_guid(guid(c), &world),
+        None,
+        "a child's child"
+    );
     // The carried ones leave with their carrier.
     world.with_entity(a, |e, w| e.leave_world(w));
     assert!(

@@ -195,3 +195,28 @@ fn watchers_hear_every_half_second_at_most() {
         "{times:?}"
     );
 }
+
+/// O-20: the interval of half a second is counted on the clock inside the step, or on that of the frame.
+#[test]
+fn the_interval_counts_on_the_clock_of_the_profile() {
+    for (profile, expected) in [(Profile::retail(), 100.65), (Profile::ace(), 100.95)] {
+        let mut world = world_of(profile);
+        let a = walker(&mut world, at(30.0, 30.0, 0.0));
+        let b = walker(&mut world, at(36.0, 30.0, 0.0));
+        let guid = world.entity(b).expect("there").guid();
+        world.with_entity(a, |e, w| {
+            e.make_movement_manager(true, w);
+            e.set_target(0, guid, 0.5, 0.0, w);
+        });
+        frame(&mut world, 100.05);
+        // Steps of 0.2 s (retail) or 0.1 s (ace) inside one frame.
+        frame(&mut world, 100.95);
+        let manager = world.entity(a).and_then(|e| e.target_manager.as_ref());
+        let last = manager.expect("there").last_update;
+        assert!(
+            (last - expected).abs() < 1e-6,
+            "{}: {last}",
+            world.profile.name
+        );
+    }
+}

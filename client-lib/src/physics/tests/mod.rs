@@ -2,11 +2,18 @@
 
 mod attachment;
 mod attack;
+mod choices;
 mod clock;
+mod endings;
+mod limits;
 mod managers;
 mod membership;
+mod missiles;
 mod placement;
+mod small_moves;
+mod special;
 mod statics;
+mod visibility;
 
 use std::sync::{Arc, OnceLock};
 
@@ -22,6 +29,8 @@ use crate::world::World;
 pub const WALKER: u32 = 0x0200_0001;
 /// A crate of 2 m with a physics tree.
 pub const CRATE: u32 = 0x0200_0002;
+/// A ball of 0.1 m.
+pub const ARROW_SETUP: u32 = 0x0200_0003;
 /// Flat land at height 0 in nine blocks, a crate at (60, 60) of the middle one, and two joined rooms at 50 m below.
 fn dats() -> Arc<DatSet> {
     static DATS: OnceLock<Arc<DatSet>> = OnceLock::new();
@@ -30,6 +39,11 @@ fn dats() -> Arc<DatSet> {
         let cube = world.solid(&block(Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, 1.0, 2.0)));
         world.setup(SetupBuilder::humanoid(cube, 1.8, 0.48));
         let solid = world.setup(SetupBuilder::of_shape(cube));
+        world.setup(
+            SetupBuilder::of_shape(cube)
+                .sphere(Vec3::ZERO, 0.1)
+                .size(0.2, 0.1),
+        );
         let door = Rect {
             u: [-1.0, 1.0],
             v: [0.0, 2.5],

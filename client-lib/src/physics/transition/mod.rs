@@ -17,6 +17,7 @@ mod movement;
 mod object_collision;
 mod object_info;
 mod placement;
+mod reach;
 mod records;
 pub mod run;
 mod slots;
@@ -30,6 +31,7 @@ pub use object_info::is_valid_walkable;
 pub use run::{
     ContactSeed, MoverSpheres, Outcome, Path, SphereUse, TransitionInput, TransitionResult,
 };
+pub(crate) use slots::LeftFields;
 pub use slots::{Transit, TransitionSlots};
 pub use state::{
     CellArray, CellArrayEntry, CollisionInfo, ContactPlane, InsertType, ObjectInfo,

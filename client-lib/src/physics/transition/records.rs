@@ -8,7 +8,7 @@ use super::state::{
     SpherePath, Transition, TransitionState,
 };
 use crate::math::vector::normalize_check_small;
-use crate::math::{CellId, EPSILON, Plane, Position, Sphere, Vec3, block_offset};
+use crate::math::{CellId, EPSILON, Frame, Plane, Position, Sphere, Vec3, block_offset};
 use crate::physics::collision::Polygon;
 use crate::physics::state::PhysicsState;
 use crate::profile::{Profile, Width};
@@ -52,8 +52,18 @@ impl ObjectInfo {
 impl Default for SpherePath<'_> {
     /// The path of a fresh transition: every field zero, no cell, sliding placements allowed (05, 5.2).
     fn default() -> Self {
+        Self::FRESH
+    }
+}
+
+impl SpherePath<'_> {
+    /// See [`SpherePath::default`]. One constant, so that beginning a transition is one copy.
+    const FRESH: Self = {
         let sphere = Sphere::new(Vec3::ZERO, 0.0);
-        let position = Position::default();
+        let position = Position {
+            cell: CellId::NONE,
+            frame: Frame::IDENTITY,
+        };
         Self {
             num_sphere: 0,
             local_sphere: [sphere; 2],
@@ -100,7 +110,7 @@ impl Default for SpherePath<'_> {
             neg_collision_normal: Vec3::ZERO,
             placement_allows_sliding: true,
         }
-    }
+    };
 }
 
 impl Default for CollisionInfo {

@@ -11,7 +11,7 @@ use crate::profile::Profile;
 
 /// Fields of collision info that a new transition in the same slot finds as they were left.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct LeftFields {
+pub(crate) struct LeftFields {
     pub contact_plane: Plane,
     pub contact_plane_is_water: bool,
     pub last_known_contact_plane: Plane,
@@ -57,13 +57,13 @@ pub struct Transit {
 /// The pool of transitions of a world.
 #[derive(Debug, Default)]
 pub struct TransitionSlots {
-    level: usize,
-    left: Vec<LeftFields>,
+    pub(crate) level: usize,
+    pub(crate) left: Vec<LeftFields>,
     #[allow(
         clippy::vec_box,
         reason = "a transit is handed out and back as a box: the pointer moves, not the records"
     )]
-    spare: Vec<Box<Transit>>,
+    pub(crate) spare: Vec<Box<Transit>>,
 }
 
 impl TransitionSlots {

@@ -1,6 +1,6 @@
 //! The terrain of one landblock as triangles (`spec/02-terrain.md`, sections 5 to 8 and 10).
 
-use super::water::cell_index;
+use super::water::{cell_index, is_water};
 use super::{
     CELLS, Detail, DetailScale, HeightTable, VERTICES, VERTICES_PER_SIDE, WaterType, detail,
     is_sw_to_ne_cut,
@@ -67,17 +67,17 @@ impl Triangle {
 /// Terrain of one landblock, in its own space (m).
 #[derive(Debug, Clone)]
 pub struct TerrainBlock {
-    block: CellId,
-    source: TerrainVertices,
-    detail: Option<Detail>,
+    pub(crate) block: CellId,
+    pub(crate) source: TerrainVertices,
+    pub(crate) detail: Option<Detail>,
     /// Index `i * (side + 1) + j`.
-    vertices: Vec<Vec3>,
+    pub(crate) vertices: Vec<Vec3>,
     /// Index `2 * (x * side + y) + k`.
-    triangles: Vec<Triangle>,
+    pub(crate) triangles: Vec<Triangle>,
     /// Bit `x * side + y`: the square is cut from south-west to north-east.
-    cuts: u64,
-    cell_water: [WaterType; CELLS],
-    block_water: WaterType,
+    pub(crate) cuts: u64,
+    pub(crate) cell_water: [WaterType; CELLS],
+    pub(crate) block_water: WaterType,
 }
 
 impl TerrainBlock {
@@ -166,6 +166,9 @@ impl TerrainBlock {
     fn calc_water(&mut self, scale: DetailScale) {
         self.cell_water = [WaterType::None; CELLS];
         self.block_water = WaterType::None;
+        if !self.source.words.iter().any(|&word| is_water(word)) {
+            return;
+        }
         if scale != DetailScale::Full {
             return;
         }

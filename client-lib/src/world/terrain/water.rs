@@ -48,7 +48,7 @@ impl WaterDepth {
 }
 
 /// Whether a terrain word's type is one of the five waters.
-const fn is_water(word: u16) -> bool {
+pub(super) const fn is_water(word: u16) -> bool {
     matches!(terrain_type(word), 16..=20)
 }
 

@@ -3,12 +3,14 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::dat::worldgen::{WorldBuilder, block, shape};
+use crate::dat::{DegradeInfo, DegradeLevel, GfxObjFlags};
 use crate::math::{LandCoord, block_offset};
 use crate::physics::body::{EntityId, ObjectRef};
 use crate::profile::{
     BuildingPortals, DoNotLoad, EnvCellStatics, ListRemoval, MissingCells, PartBoxes,
 };
-use crate::world::{CellRef, MemorySource, StaticKind};
+use crate::world::{CellRef, MemorySource, PortalTarget, StaticKind};
 
 const HOUSE: u32 = 0xA9B4_0100;
 
@@ -202,6 +204,85 @@ fn buildings_know_their_cell_and_their_rooms() {
     unique.sort();
     unique.dedup();
     assert_eq!(unique.len(), stab.len());
+}
+
+/// 8.3: who is in a room of the building is found from the cell that the building stands in, through the portals between the rooms, and only
+/// in rooms that are loaded.
+#[test]
+fn who_is_in_a_building_is_found_from_outside() {
+    let mut world = testbed(Profile::retail());
+    let cell = loaded(&mut world, 0xA9B4_0025);
+    let entity = world.entities.create(7, 0.0);
+    let id = entity.id;
+    world.entities.put(entity);
+    let front = loaded(&mut world, HOUSE);
+    let portals = &world.land.env_cell(front).expect("a room").portals;
+    let next = portals.iter().find_map(|portal| match portal.target {
+        PortalTarget::Cell(next) => Some(next),
+        PortalTarget::Outside => None,
+    });
+    let next = next.expect("the house has more rooms");
+    for room in [CellId(HOUSE), next] {
+        let room = loaded(&mut world, room.0);
+        assert_eq!(world.object_in_cell(cell, 7), None);
+        world.land.add_object(room, ObjectRef::Entity(id));
+        assert_eq!(world.object_in_cell(cell, 7), Some(id));
+        world.land.remove_object(room, ObjectRef::Entity(id));
+    }
+    let elsewhere = loaded(&mut world, 0xA9B4_0001);
+    assert_eq!(world.object_in_cell(elsewhere, 7), None);
+    // Rooms that are not there hold nobody.
+    world.unload_room(CellId(HOUSE));
+    assert_eq!(world.object_in_cell(cell, 7), None);
+}
+
+/// 10.4: a part that always faces the viewer reaches as far as its sphere around the place of the part, not as its box.
+#[test]
+fn parts_that_face_the_viewer_reach_as_far_as_their_sphere() {
+    let shadows = |mode: Option<u32>, profile: Profile| {
+        let mut world = WorldBuilder::new();
+        let faces = block(Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, 1.0, 2.0));
+        let mut record = shape(0x0100_0001, &faces, &faces);
+        if let Some(mode) = mode {
+            record.flags |= GfxObjFlags::DEGRADE;
+            record.degrade = 0x1100_0001;
+            let level = DegradeLevel {
+                shape: 0x0100_0001,
+                mode,
+                min_distance: 0.0,
+                ideal_distance: 0.0,
+                max_distance: 100.0,
+            };
+            world.add(&DegradeInfo {
+                id: 0x1100_0001,
+                levels: vec![level],
+            });
+        }
+        world.add(&record);
+        // The box ends 0.3 m before the border at x = 48; the sphere of the tree reaches beyond.
+        world
+            .block(0x10, 0x20)
+            .object(0x0100_0001, Vec3::new(49.3, 60.0, 0.0), 0.0);
+        let dats = world.surround().build().expect("the world is well formed");
+        let mut world = World::with_source(profile, 0.0, Arc::new(dats));
+        let cell = loaded(&mut world, 0x1020_0013);
+        let land = world.land.land_cell(cell).expect("a cell");
+        let body = world
+            .land
+            .static_body(land.block.statics[0])
+            .expect("a static object");
+        body.shadows.iter().map(|s| s.id.low()).collect::<Vec<_>>()
+    };
+    let retail = Profile::retail;
+    assert_eq!(shadows(None, retail()), [0x13]);
+    assert_eq!(shadows(Some(1), retail()), [0x13], "drawn as it is");
+    assert_eq!(shadows(Some(2), retail()), [0x13, 0x0B]);
+    assert_eq!(shadows(Some(2), Profile::gdle()), [0x13, 0x0B]);
+    assert_eq!(
+        shadows(Some(2), Profile::ace()),
+        [0x13],
+        "C-08: without this rule"
+    );
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod cells;
 mod collision;
+mod streaming;
 mod terrain;
 
 use std::path::PathBuf;
