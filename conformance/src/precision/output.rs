@@ -49,9 +49,7 @@ fn csv_line(text: &mut String, lab: &SceneLab, row: &Row) {
         whole(setting.quanta_per_second),
         whole(setting.frame_rate),
         setting.remote_every.to_string(),
-        setting
-            .plan
-            .map_or(String::new(), |plan| format!("{plan:?}").to_lowercase()),
+        setting.plan.map_or(String::new(), |plan| format!("{plan:?}").to_lowercase()),
         number(row.ns_per_second),
         number(row.instructions_per_second),
         number(row.oracle.map(|found| found.max)),

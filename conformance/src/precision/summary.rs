@@ -206,8 +206,7 @@ fn per_second(candidate: &Candidate) -> f64 {
 
 /// A key that is the same for the same setting in every scene: some scenes leave settings out.
 fn place(setting: &Setting) -> usize {
-    let rate =
-        setting.frame_rate.unwrap_or(0) as usize + setting.plan.map_or(0, |plan| plan as usize + 1);
+    let rate = setting.frame_rate.unwrap_or(0) as usize + setting.plan.map_or(0, |plan| plan as usize + 1);
     let quanta = setting.quanta_per_second.unwrap_or(0) as usize;
     let axis = setting.axis as usize;
     ((axis * 1024 + rate) * 1024 + quanta) * 16 + setting.remote_every as usize

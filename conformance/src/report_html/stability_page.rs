@@ -161,11 +161,7 @@ fn plots(body: &mut String, ensembles: &[Ensemble]) {
         let _ = write!(
             body,
             "<details{}><summary>{}: {} scenes{}</summary><div class=\"grid\">",
-            if class == Class::Discontinuous {
-                " open"
-            } else {
-                ""
-            },
+            if class == Class::Discontinuous { " open" } else { "" },
             class.name(),
             of.len(),
             if shown < of.len() {

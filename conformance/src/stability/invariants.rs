@@ -338,18 +338,12 @@ impl Watch {
         let parts = entity.body.part_array.as_ref();
         let center = parts.and_then(|p| p.spheres().first()).map(|s| s.center);
         let center = center.unwrap_or_default() * entity.body.scale;
-        let at = entity
-            .body
-            .position
-            .frame
-            .local_to_global(center, &run.world.profile);
+        let at = entity.body.position.frame.local_to_global(center, &run.world.profile);
         let column = |c: u32| c as f32 * 24.0;
         let (x, y) = (column((low - 1) / 8), column((low - 1) % 8));
         let within = |p: f32, from: f32| (from - BORDER..=from + 24.0 + BORDER).contains(&p);
         let agrees = within(at.x, x) && within(at.y, y);
-        Some(ensure(agrees, || {
-            format!("cell {:#X}, centre {at}", state.cell)
-        }))
+        Some(ensure(agrees, || format!("cell {:#X}, centre {at}", state.cell)))
     }
 }
 
