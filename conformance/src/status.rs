@@ -1,6 +1,8 @@
 //! `docs/status.md`: what matches how well, from measurements only.
 
 mod numerics;
+mod plans;
+mod recorder;
 mod sensitivity;
 mod speed;
 mod tools;
@@ -12,6 +14,8 @@ use std::{
 };
 
 pub use numerics::{Numerics, numerics_in};
+pub use plans::{PlanCost, plan_costs};
+pub use recorder::RecorderNumbers;
 pub use speed::{Bench, Cost, benches_in, costs, machine};
 pub use tools::{Tools, tools_in};
 
@@ -47,6 +51,10 @@ pub struct Measurements {
     pub costs: Vec<Cost>,
     /// Stability and precision.
     pub numerics: Numerics,
+    /// What plans save.
+    pub plans: Vec<PlanCost>,
+    /// What relaying and killing the recorder costs.
+    pub recorder: RecorderNumbers,
     /// Benchmarks that have been run.
     pub benches: Vec<Bench>,
     /// Bisections and shrinkings that were tried.
@@ -72,8 +80,10 @@ pub fn page(measured: &Measurements) -> String {
     retail(&mut text, &measured.retail);
     sensitivity::section(&mut text, &measured.sensitivity);
     numerics::section(&mut text, &measured.numerics);
+    plans::section(&mut text, &measured.plans);
     speed::section(&mut text, &measured.benches, &measured.costs);
     tools::section(&mut text, &measured.tools);
+    recorder::section(&mut text, &measured.recorder);
     text
 }
 

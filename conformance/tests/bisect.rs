@@ -4,6 +4,8 @@
 //! `ac-replay`: the real client library, with the fault planted in the named stage. So every fault goes through real code, and a build
 //! takes no time.
 
+#![cfg(unix)]
+
 use std::{
     fs,
     io::BufWriter,
@@ -38,8 +40,13 @@ fn the_stand_in() {
         let place = words.iter().position(|word| *word == name).unwrap();
         words[place + 1]
     };
-    let reader = TraceReader::open(Path::new(words[2])).unwrap();
-    let (mut scene, text) = (reader.scene().clone(), reader.scene_text().to_vec());
+    let input = Path::new(words[2]);
+    let (mut scene, text) = if words[2].ends_with(".mcap") {
+        let reader = TraceReader::open(input).unwrap();
+        (reader.scene().clone(), reader.scene_text().to_vec())
+    } else {
+        (Scene::open(input).unwrap(), fs::read(input).unwrap())
+    };
     let mut profile = Profile::named(value("--profile")).unwrap();
     plant(words[0], &mut scene, &mut profile);
     let info = TraceInfo {
@@ -127,6 +134,19 @@ impl Scratch {
         self.git(&["add", "-A"]);
         self.git(&["commit", "-q", "--allow-empty", "-m", subject]);
         self.git(&["rev-parse", "HEAD"])
+    }
+
+    /// A program without git.
+    fn build(&self, plant: &str) -> String {
+        fs::write(self.repository().join("plant"), plant).unwrap();
+        let target = self.folder.path().join(plant);
+        let built = Command::new("sh")
+            .arg("build.sh")
+            .current_dir(self.repository())
+            .env("CARGO_TARGET_DIR", &target)
+            .status();
+        assert!(built.unwrap().success());
+        target.join("ac-replay").display().to_string()
     }
 
     fn bisect(&self, trace: &str, more: &[&str]) -> Output {
@@ -262,18 +282,7 @@ fn an_interrupted_search_goes_on_and_only_a_named_field_counts() {
 #[test]
 fn two_programs_are_compared_without_git() {
     let scratch = Scratch::new();
-    let build = |plant: &str| {
-        fs::write(scratch.repository().join("plant"), plant).unwrap();
-        let target = scratch.folder.path().join(plant);
-        let built = Command::new("sh")
-            .arg("build.sh")
-            .current_dir(scratch.repository())
-            .env("CARGO_TARGET_DIR", &target)
-            .status();
-        assert!(built.unwrap().success());
-        target.join("ac-replay").display().to_string()
-    };
-    let (good, bad) = (build("none"), build("sequence"));
+    let (good, bad) = (scratch.build("none"), scratch.build("sequence"));
     let compare = |a: &str, b: &str, more: &[&str]| {
         let arguments = [&["--good-bin", a, "--bad-bin", b], more].concat();
         scratch.bisect("self/motion/walk-start-stop.mcap", &arguments)
@@ -289,6 +298,31 @@ fn two_programs_are_compared_without_git() {
     );
     let same = compare(&good, &good, &[]);
     assert_eq!(same.status.code(), Some(0), "{same:?}");
+}
+
+#[test]
+fn a_scene_shrinks_between_two_programs() {
+    let scratch = Scratch::new();
+    let (good, bad) = (scratch.build("none"), scratch.build("sequence"));
+    let out = scratch.folder.path().join("small");
+    let output = Command::new(env!("CARGO_BIN_EXE_ac-conform"))
+        .arg("shrink")
+        .arg(corpus::bundled().join("traces/motion/walk-start-stop.mcap"))
+        .args(["--good-bin", &good, "--bad-bin", &bad, "--max-runs", "30"])
+        .args(["--format", "json", "-o"])
+        .arg(&out)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["shown"]["stage"], "animation", "{report:#}");
+    assert_eq!(report["budget_spent"], true);
+    let size = |when: &str, what: &str| report[when][what].as_u64().unwrap();
+    assert!(
+        size("after", "frames") < size("before", "frames") / 2,
+        "{report:#}"
+    );
+    assert!(out.join("motion-walk-start-stop.scene.json").is_file());
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! The pages under `docs/` keep what they promise: commands in blocks marked `sh run` run, workflow files are YAML and name only
 //! options that exist, links lead somewhere.
 
+#![cfg(unix)]
+
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -80,7 +82,6 @@ fn workplace() -> tempfile::TempDir {
 }
 
 #[test]
-#[cfg(unix)]
 fn commands_in_the_pages_run() {
     let mut pages_with_commands = Vec::new();
     for page in pages() {

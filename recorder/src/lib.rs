@@ -12,6 +12,8 @@ pub mod disk;
 pub mod error;
 pub mod fault;
 pub mod format;
+#[doc(hidden)]
+pub mod fuzzing;
 pub mod measure;
 pub mod pcap;
 pub mod pictures;
@@ -21,5 +23,6 @@ pub mod proxy;
 pub mod relay;
 pub mod scan;
 pub mod secrets;
+pub mod signals;
 pub mod sockets;
 pub mod stats;

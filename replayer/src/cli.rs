@@ -20,6 +20,7 @@ use ac_client::{
 use ac_golden_traces::{
     GoldenError, Scene,
     import::hash_world,
+    pictures::of_trace,
     trace::{FormatVersion, TraceInfo, TraceReader},
 };
 use clap::{Parser, Subcommand};
@@ -104,6 +105,9 @@ struct RunArgs {
     output: PathBuf,
     #[command(flatten)]
     packets: PacketArgs,
+    /// Also write the trace as pictures for Foxglove and Rerun, an MCAP file (docs/foxglove.md).
+    #[arg(long, value_name = "FILE")]
+    foxglove: Option<PathBuf>,
 }
 
 /// Parses the arguments of the process and runs the command.
@@ -142,9 +146,17 @@ pub fn main() -> ExitCode {
 
 /// Replays a packet recording.
 fn run_packets(args: &RunArgs, bytes: &[u8]) -> miette::Result<()> {
-    if args.plan.is_some() || args.checkpoints || args.keyframes.is_some() || args.from.is_some() {
+    let refused = [
+        args.plan.is_some(),
+        args.checkpoints,
+        args.keyframes.is_some(),
+        args.from.is_some(),
+        args.to.is_some(),
+        args.foxglove.is_some(),
+    ];
+    if refused.contains(&true) {
         return Err(miette!(
-            help = "leave out --plan, --checkpoints, --keyframes and --from",
+            help = "leave out --plan, --checkpoints, --keyframes, --from, --to and --foxglove",
             "{} is a packet recording: it is replayed from its start, and written as states only",
             args.input.display()
         ));
@@ -240,6 +252,28 @@ fn write(args: &RunArgs, what: &Replay<'_>, simulation: &mut dyn Simulation) -> 
         what.scene.name,
         what.scene.track.len(),
         args.output.display()
+    );
+    if let Some(pictures) = &args.foxglove {
+        draw(&args.output, pictures).into_diagnostic()?;
+    }
+    Ok(())
+}
+
+/// Draws a trace that was just written.
+fn draw(trace: &Path, pictures: &Path) -> Result<(), GoldenError> {
+    let out = File::create(pictures).map_err(|source| GoldenError::Io {
+        path: pictures.into(),
+        source,
+    })?;
+    let mut reader = TraceReader::open(trace)?;
+    let library = concat!("ac-replay ", env!("CARGO_PKG_VERSION"));
+    let counts = of_trace(&mut reader, BufWriter::new(out), library, pictures)?;
+    println!(
+        "{}: {} objects at {} places, {} lines of log",
+        pictures.display(),
+        counts.objects,
+        counts.places,
+        counts.lines
     );
     Ok(())
 }

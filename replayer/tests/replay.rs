@@ -97,3 +97,41 @@ fn what_cannot_run_is_two() {
         2
     );
 }
+
+#[test]
+fn a_run_can_be_drawn() {
+    let scene = corpus::bundled().join("traces/terrain/cliff-jump.mcap");
+    let folder = tempfile::tempdir().unwrap();
+    let (out, pictures) = (
+        folder.path().join("out.mcap"),
+        folder.path().join("pictures.mcap"),
+    );
+    let arguments = [
+        "run",
+        scene.to_str().unwrap(),
+        "-o",
+        out.to_str().unwrap(),
+        "--foxglove",
+        pictures.to_str().unwrap(),
+    ];
+    assert_eq!(replay(&arguments), 0);
+    let bytes = std::fs::read(&pictures).unwrap();
+    let mut topics = std::collections::BTreeMap::new();
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        let channel = message.unwrap().channel.clone();
+        let schema = channel.schema.as_ref().unwrap();
+        *topics
+            .entry((channel.topic.clone(), schema.name.clone()))
+            .or_insert(0) += 1;
+    }
+    let names: Vec<_> = topics
+        .keys()
+        .map(|(t, s)| (t.as_str(), s.as_str()))
+        .collect();
+    let expected = [
+        ("/log", "foxglove.Log"),
+        ("/scene", "foxglove.SceneUpdate"),
+        ("/tf", "foxglove.FrameTransforms"),
+    ];
+    assert_eq!(names, expected);
+}

@@ -7,6 +7,7 @@ mod polygons;
 mod records;
 mod smoke;
 mod soup;
+mod stiff_cases;
 mod support;
 mod trees;
 mod volumes;

@@ -50,6 +50,8 @@ pub struct Change {
     pub target: PathBuf,
     /// There is no expectation yet.
     pub new: bool,
+    /// The trace has another scene of this name: it is written anew.
+    pub other_scene: bool,
     /// What differs.
     pub difference: Difference,
 }
@@ -166,13 +168,20 @@ fn change(
     let produced = produce(simulator, &own.case)?;
     let expected = if exists { read(&target)? } else { Vec::new() };
     let difference = Difference::between(&expected, &produced);
-    Ok((!exists || !difference.is_empty()).then(|| Change {
-        scene: name.into(),
-        case: own.case.clone(),
-        target,
-        new: !exists,
-        difference,
-    }))
+    // The scene may have been edited since: then the old trace is of another one.
+    let other_scene = exists
+        && own.case.path() != target
+        && TraceReader::open(&target)?.scene() != &crate::hash::scene_of(&own.case)?;
+    Ok(
+        (!exists || other_scene || !difference.is_empty()).then(|| Change {
+            scene: name.into(),
+            case: own.case.clone(),
+            target,
+            new: !exists,
+            other_scene,
+            difference,
+        }),
+    )
 }
 
 /// What the profile `retail` does in a case, frame by frame.

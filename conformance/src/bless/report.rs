@@ -23,6 +23,9 @@ pub fn human(change: &Change) -> String {
         );
     }
     let mut text = format!("{}: {changed} of {frames} frames change", change.scene);
+    if change.other_scene {
+        text += ", the scene itself is another";
+    }
     if *gone > 0 {
         let _ = write!(text, ", {gone} frames go");
     }

@@ -204,6 +204,24 @@ fn an_expectation_in_a_trace_with_others_is_replaced_in_place() {
 }
 
 #[test]
+fn a_scene_that_was_edited_replaces_the_old_one() {
+    let folder = folder();
+    bless(&plain(0.0), folder.path());
+    fs::write(
+        folder.path().join("tiny.scene.json"),
+        SCENE.replace("\"count\":6", "\"count\":4"),
+    )
+    .unwrap();
+    let texts = bless(&plain(0.0), folder.path());
+    assert_eq!(
+        texts,
+        ["area/tiny: 0 of 5 frames change, the scene itself is another, 2 frames go\n"]
+    );
+    assert_eq!(diverged(&plain(0.0), folder.path()), []);
+    assert!(bless(&plain(0.0), folder.path()).is_empty());
+}
+
+#[test]
 fn without_a_place_for_it_a_scene_is_refused() {
     let folder = folder();
     let scene = folder.path().join("tiny.scene.json");

@@ -32,7 +32,7 @@ pub fn write(simulator: &dyn Simulator, worlds: &Path, change: &Change) -> Resul
         source,
     };
     let kind = ChannelKind::Expect(SELF.into());
-    let bytes = if change.new {
+    let bytes = if change.new || change.other_scene {
         new_trace(change, worlds, &frames)?
     } else {
         let old = fs::read(path).map_err(io)?;

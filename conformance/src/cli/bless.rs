@@ -187,6 +187,7 @@ mod tests {
             case: Case::Trace("x.mcap".into()),
             target: "x.mcap".into(),
             new: true,
+            other_scene: false,
             difference: Difference {
                 frames: 2,
                 ..Difference::default()

@@ -4,6 +4,7 @@ use std::{
     io::IsTerminal,
     path::{Path, PathBuf},
     process::ExitCode,
+    sync::atomic::{AtomicUsize, Ordering},
     time::Duration,
 };
 
@@ -19,7 +20,7 @@ use crate::{
     compare::policy::Policy,
     gate::{Document, Shard},
     report_html,
-    run::{self, Mode, Options, PROFILES, baseline::Baseline, cases},
+    run::{Case, Mode, Options, PROFILES, RunResult, baseline::Baseline, cases},
 };
 
 /// Arguments of `ac-conform run`.
@@ -101,10 +102,10 @@ pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
         .num_threads(args.jobs)
         .build()
         .into_diagnostic()?;
+    let live = Live::new(&bar, &baseline);
     let document = pool.install(|| {
-        Document::run(simulator, &cases, &options, &policy, args.shard, || {
-            bar.inc(1)
-        })
+        let done = |case: &Case, results: &[RunResult]| live.done(case, results);
+        Document::run(simulator, &cases, &options, &policy, args.shard, done)
     });
     bar.finish_and_clear();
     // A small shard may be empty; a run that compares nothing is a mistake.
@@ -124,6 +125,59 @@ pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
         eprintln!("report: {}", file.into_diagnostic()?.display());
     }
     args.outputs.write(&document, &baseline, args.format)
+}
+
+/// What is seen while scenes run: how far it is, and the first divergences that the baseline does not know.
+struct Live<'a> {
+    bar: &'a ProgressBar,
+    baseline: &'a Baseline,
+    failures: AtomicUsize,
+}
+
+impl<'a> Live<'a> {
+    /// Divergences that are shown at once; all are in the result.
+    const SHOWN: usize = 5;
+
+    fn new(bar: &'a ProgressBar, baseline: &'a Baseline) -> Self {
+        Self {
+            bar,
+            baseline,
+            failures: AtomicUsize::new(0),
+        }
+    }
+
+    fn done(&self, case: &Case, results: &[RunResult]) {
+        for result in results {
+            let Some(first) = &result.first_divergence else {
+                continue;
+            };
+            if self.baseline.accepts(result).is_some() {
+                continue;
+            }
+            let before = self.failures.fetch_add(1, Ordering::Relaxed);
+            if before < Self::SHOWN {
+                self.bar.println(format!(
+                    "{} {} {} {}: frame {} {}",
+                    result.scene,
+                    result.oracle,
+                    result.mode.name(),
+                    result.guid,
+                    first.frame,
+                    first.field
+                ));
+            } else if before == Self::SHOWN {
+                self.bar.println("more divergences: see below");
+            }
+        }
+        let scene = results.first().map(|result| result.scene.clone());
+        let name = scene.unwrap_or_else(|| case.path().display().to_string());
+        let message = match self.failures.load(Ordering::Relaxed) {
+            0 => name,
+            failures => format!("{name} ({failures} diverge)"),
+        };
+        self.bar.set_message(message);
+        self.bar.inc(1);
+    }
 }
 
 fn options(args: &Args) -> miette::Result<Options> {
@@ -149,7 +203,7 @@ fn options(args: &Args) -> miette::Result<Options> {
     })
 }
 
-fn find_cases(args: &Args) -> miette::Result<Vec<run::Case>> {
+fn find_cases(args: &Args) -> miette::Result<Vec<Case>> {
     let (expect, stages) = (args.expect.as_deref(), args.stages.as_deref());
     let cases = cases::find_or_bundled(&args.paths, expect, stages).map_err(no_cases)?;
     if cases.is_empty() {

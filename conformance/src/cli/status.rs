@@ -15,7 +15,10 @@ use rayon::prelude::*;
 
 use crate::{
     run::{self, Case, Mode, Options, cases, sensitivity},
-    status::{Cost, Measurements, benches_in, costs, machine, numerics_in, page, tools_in},
+    status::{
+        Cost, Measurements, PlanCost, RecorderNumbers, benches_in, costs, machine, numerics_in,
+        page, plan_costs, tools_in,
+    },
     vectors::{FnResult, run_file},
 };
 
@@ -31,6 +34,9 @@ pub struct Args {
     /// What the example `tick_costs` of the client library printed.
     #[arg(long, default_value = "target/tick_costs.jsonl")]
     costs: PathBuf,
+    /// What the example `plan_costs` of the replayer printed.
+    #[arg(long, default_value = "target/plan-costs.jsonl")]
+    plans: PathBuf,
 }
 
 /// Measures everything that is bundled and writes the page.
@@ -84,8 +90,10 @@ pub fn run(args: &Args, simulator: &dyn Simulator) -> miette::Result<ExitCode> {
         threads: rayon::current_num_threads(),
         costs: tick_costs(&args.costs)?,
         numerics: numerics_in(&args.target),
+        plans: plan_costs_in(&args.plans)?,
         benches: benches_in(&args.target),
         tools: tools_in(&args.target),
+        recorder: RecorderNumbers::in_folder(&args.target).into_diagnostic()?,
     };
     let context = || format!("cannot write {}", args.output.display());
     fs::write(&args.output, page(&measured))
@@ -128,6 +136,17 @@ fn asks_for_motion(action: &Action) -> bool {
             | Action::StickTo { .. }
             | Action::InterpolateTo { .. }
     )
+}
+
+/// What plans save, if it was measured.
+fn plan_costs_in(path: &Path) -> miette::Result<Vec<PlanCost>> {
+    if !path.is_file() {
+        return Ok(Vec::new());
+    }
+    let text = fs::read(path).into_diagnostic()?;
+    plan_costs(&text)
+        .into_diagnostic()
+        .wrap_err_with(|| format!("{} is not what plan_costs prints", path.display()))
 }
 
 /// Costs of a tick, if they were measured.

@@ -6,15 +6,16 @@
 //!
 //! A [`Document`] is what `--format json` writes and `ac-conform merge` reads: results with everything around them.
 
+mod flakes;
 pub mod output;
 pub mod partition;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use ac_client::profile::Profile;
 use ac_replayer::Simulator;
 use serde::{Deserialize, Serialize};
 
+use flakes::{failing, flakes};
 pub use partition::Shard;
 
 use crate::{
@@ -22,7 +23,7 @@ use crate::{
     hash,
     report_html::Series,
     run::{
-        self, Case, Options, Outcome, RunResult,
+        self, Case, Options, RunResult,
         baseline::{Baseline, Known},
         report::{self, Totals},
     },
@@ -161,7 +162,7 @@ impl Document {
         options: &Options,
         policy: &Policy,
         shard: Option<Shard>,
-        done: impl Fn() + Sync,
+        done: impl Fn(&Case, &[RunResult]) + Sync,
     ) -> Self {
         let mut document = Self {
             schema: report::SCHEMA.into(),
@@ -353,59 +354,6 @@ fn check_shard(name: &str, shard: Shard, before: &[Shard]) -> Result<(), MergeEr
         }
         _ => Ok(()),
     }
-}
-
-fn failing<'a>(outcome: &'a Outcome, scene: &'a str) -> impl Iterator<Item = &'a RunResult> {
-    outcome
-        .results
-        .iter()
-        .filter(move |result| result.scene == scene && result.first_divergence.is_some())
-}
-
-/// Runs scenes with failures again, and hashes them twice under every profile with a failure.
-fn flakes(
-    simulator: &dyn Simulator,
-    again: &BTreeMap<String, Vec<Case>>,
-    options: &Options,
-    policy: &Policy,
-    first: &Outcome,
-) -> Vec<Flake> {
-    let mut flakes = Vec::new();
-    for (scene, cases) in again {
-        let second = run::run_with(simulator, cases, options, policy, || ());
-        let before = first.results.iter().filter(|result| result.scene == *scene);
-        if !second.results.iter().eq(before) {
-            let what = "the second run gave other results".into();
-            flakes.push(Flake {
-                scene: scene.clone(),
-                what,
-            });
-            continue;
-        }
-        let Some(case) = cases.first() else { continue };
-        let profiles: BTreeSet<&str> = failing(first, scene)
-            .map(|result| result.profile.as_str())
-            .collect();
-        for name in profiles {
-            let Some(profile) = Profile::named(name) else {
-                continue;
-            };
-            let hash = || hash::hash_case(simulator, case, &profile).ok();
-            if let (Some(a), Some(b)) = (hash(), hash())
-                && a.hash != b.hash
-            {
-                let what = format!(
-                    "two runs under {name} have the state hashes {} and {}",
-                    a.hash, b.hash
-                );
-                flakes.push(Flake {
-                    scene: scene.clone(),
-                    what,
-                });
-            }
-        }
-    }
-    flakes
 }
 
 #[cfg(test)]

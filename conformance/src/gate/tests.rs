@@ -290,7 +290,8 @@ fn a_failure_that_changes_is_flaky_and_one_that_stays_is_new() {
             starts: 0.into(),
             drifts,
         };
-        let document = Document::run(&client, &cases, &options, &Default::default(), None, || ());
+        let policy = Default::default();
+        let document = Document::run(&client, &cases, &options, &policy, None, |_, _| ());
         assert!(document.errors.is_empty(), "{:?}", document.errors);
         document.verdict(&document.results[0], &Baseline::default())
     };

@@ -27,11 +27,7 @@ pub fn counted_frames(run: &mut SceneRun, frames: u32) {
 ///
 /// # Errors
 /// When the scene cannot be set up.
-pub fn time(
-    scene: &Scene,
-    ground: Ground<'_>,
-    setting: &Setting,
-) -> Result<f64, SimulationError> {
+pub fn time(scene: &Scene, ground: Ground<'_>, setting: &Setting) -> Result<f64, SimulationError> {
     let mut run = start(scene, ground, setting)?;
     let begin = Instant::now();
     counted_frames(&mut run, scene.frame_count());

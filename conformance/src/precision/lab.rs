@@ -77,14 +77,22 @@ pub struct Row {
     pub solution: Option<Distance>,
     /// Smooth phases, against f64.
     pub smooth: Option<SmoothError>,
+    /// It is the converged reference itself, which has no distance from it.
+    pub is_reference: bool,
     /// No other setting is both cheaper and nearer.
     pub pareto: bool,
 }
 
 impl Row {
-    /// The error that a plot shows: against the truth if it is known, else against the converged reference.
+    /// The error against the truth if it is known, else against the converged reference.
     pub fn error(&self) -> Option<f64> {
         self.solution.or(self.reference).map(|found| found.max)
+    }
+
+    /// The error that a plot shows: where there is no truth, that against the oracle.
+    pub fn plotted(&self) -> Option<f64> {
+        let shown = self.oracle.filter(|_| !self.is_reference);
+        self.error().or(shown.map(|found| found.max))
     }
 }
 
@@ -99,6 +107,8 @@ pub struct SceneLab {
     pub seconds: f64,
     /// How far the converged reference moves when its quanta are twice as long, m.
     pub uncertainty: Option<f64>,
+    /// With the quanta of the reference something hangs in the air: the rest rule takes away what gravity gives. There is no reference.
+    pub hangs: bool,
     /// Errors are angles, rad.
     pub turns: bool,
     /// Observed convergence over the quanta.
@@ -138,7 +148,10 @@ fn errors(subject: &Subject, options: &Options) -> Result<SceneLab, SimulationEr
         .into_iter()
         .collect::<Result<Vec<_>, _>>()?;
     let (fine, half) = (&converged[0], &converged[1]);
-    let uncertainty = track::path(fine, half, options.horizon).map(|found| found.max);
+    let hangs = track::hangs(fine);
+    let uncertainty = track::path(fine, half, options.horizon)
+        .filter(|_| !hangs)
+        .map(|found| found.max);
     let mut of_profile: BTreeMap<&str, Vec<Track>> = BTreeMap::new();
     let mut rows = Vec::new();
     for setting in &options.grid {
@@ -156,17 +169,21 @@ fn errors(subject: &Subject, options: &Options) -> Result<SceneLab, SimulationEr
             }
             &of_profile[setting.profile]
         };
+        let finest = setting.quanta_per_second == Some(REFERENCE[0]);
+        let is_reference = finest && setting.frame_rate.is_none();
         rows.push(Row {
             setting: setting.clone(),
             ns_per_second: None,
             instructions_per_second: None,
             oracle: track::shown(&subject.expected, &tracks, options.horizon),
-            reference: track::path(reference, &tracks, options.horizon),
+            reference: track::path(reference, &tracks, options.horizon)
+                .filter(|_| !hangs && !is_reference),
             solution: subject
                 .analytic
                 .as_ref()
                 .and_then(|case| against(case, &tracks, options.horizon)),
             smooth: smooth(&scene, &tracks),
+            is_reference: is_reference && !hangs,
             pareto: false,
         });
     }
@@ -176,6 +193,7 @@ fn errors(subject: &Subject, options: &Options) -> Result<SceneLab, SimulationEr
         class: subject.scene.area().into(),
         seconds: seconds(&subject.scene),
         uncertainty,
+        hangs,
         turns,
         order: summary::order(&rows),
         rows,

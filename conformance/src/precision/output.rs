@@ -16,6 +16,8 @@ pub const SCHEMA: &str = "ac-conform-precision/1";
 pub fn document(labs: &[SceneLab]) -> Value {
     json!({
         "schema": SCHEMA,
+        "machine": crate::status::machine(),
+        "build": if cfg!(debug_assertions) { "debug" } else { "release" },
         "good": GOOD,
         "scenes": labs,
         "recommendations": recommendations(labs),
@@ -49,7 +51,9 @@ fn csv_line(text: &mut String, lab: &SceneLab, row: &Row) {
         whole(setting.quanta_per_second),
         whole(setting.frame_rate),
         setting.remote_every.to_string(),
-        setting.plan.map_or(String::new(), |plan| format!("{plan:?}").to_lowercase()),
+        setting
+            .plan
+            .map_or(String::new(), |plan| format!("{plan:?}").to_lowercase()),
         number(row.ns_per_second),
         number(row.instructions_per_second),
         number(row.oracle.map(|found| found.max)),
@@ -96,10 +100,10 @@ pub fn human(labs: &[SceneLab], details: bool) -> String {
     for lab in labs {
         let _ = writeln!(
             text,
-            "\n{}: order {}, reference ± {}",
+            "\n{}: order {}, reference {}",
             lab.scene,
             order_text(lab.order),
-            lab.uncertainty.map_or("–".into(), length)
+            reference_text(lab)
         );
         if details {
             rows(&mut text, lab);
@@ -130,6 +134,15 @@ fn rows(text: &mut String, lab: &SceneLab) {
             max(row.solution),
             row.smooth.map_or("–".into(), |found| length(found.max)),
         );
+    }
+}
+
+/// How far the reference can be trusted.
+pub fn reference_text(lab: &SceneLab) -> String {
+    match lab.uncertainty {
+        _ if lab.hangs => "none: something hangs in the air".into(),
+        Some(uncertainty) => format!("± {}", length(uncertainty)),
+        None => "–".into(),
     }
 }
 

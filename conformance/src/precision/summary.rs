@@ -92,7 +92,7 @@ pub fn mark_pareto(rows: &mut [Row]) {
     };
     let points: Vec<Option<(f64, f64)>> = rows
         .iter()
-        .map(|row| Some((cost(row)?, row.error()?)))
+        .map(|row| Some((cost(row)?, row.plotted()?)))
         .collect();
     for (row, own) in rows.iter_mut().zip(&points) {
         row.pareto = own.is_some_and(|own| {
@@ -206,7 +206,8 @@ fn per_second(candidate: &Candidate) -> f64 {
 
 /// A key that is the same for the same setting in every scene: some scenes leave settings out.
 fn place(setting: &Setting) -> usize {
-    let rate = setting.frame_rate.unwrap_or(0) as usize + setting.plan.map_or(0, |plan| plan as usize + 1);
+    let rate =
+        setting.frame_rate.unwrap_or(0) as usize + setting.plan.map_or(0, |plan| plan as usize + 1);
     let quanta = setting.quanta_per_second.unwrap_or(0) as usize;
     let axis = setting.axis as usize;
     ((axis * 1024 + rate) * 1024 + quanta) * 16 + setting.remote_every as usize
@@ -232,6 +233,7 @@ mod tests {
             reference: Some(found),
             solution: None,
             smooth: None,
+            is_reference: false,
             pareto: false,
         }
     }
@@ -267,6 +269,7 @@ mod tests {
             class: "a".into(),
             seconds: 1.0,
             uncertainty: None,
+            hangs: false,
             turns: false,
             order: Order::Unknown,
             rows: vec![row(10, 1.0, 0.5), row(40, 3.0, 0.009), row(80, 9.0, 0.001)],

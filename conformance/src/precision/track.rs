@@ -298,6 +298,25 @@ pub fn path(reference: &[Track], actual: &[Track], horizon: f64) -> Option<Dista
     sum.done()
 }
 
+/// Seconds in the air without speed, under gravity, that are no apex any more.
+const HANGING: f64 = 0.4;
+/// Square of the speed below which the rest rule stops an object (06, B6), m²/s².
+const REST: f64 = 0.0625;
+
+/// Whether something hangs in the air although gravity pulls it.
+pub fn hangs(tracks: &[Track]) -> bool {
+    tracks.iter().any(|track| {
+        let mut since: Option<f64> = None;
+        track.samples.iter().any(|sample| {
+            let squared: f64 = sample.velocity.iter().map(|v| v * v).sum();
+            let hanging =
+                sample.ground.is_none() && sample.acceleration[2] < -1.0 && squared < REST;
+            since = hanging.then(|| since.unwrap_or(sample.time));
+            since.is_some_and(|since| sample.time - since > HANGING)
+        })
+    })
+}
+
 /// Times at which something was placed elsewhere.
 fn placings(samples: &[Sample]) -> Vec<f64> {
     samples
@@ -375,6 +394,16 @@ mod tests {
         let found = path(&falling(0.1, 40), &falling(0.03, 100), 10.0).unwrap();
         assert!(found.max < 1e-9, "{found:?}");
         assert_eq!(found.samples, 100);
+    }
+
+    #[test]
+    fn what_hangs_is_seen() {
+        let mut tracks = falling(0.1, 40);
+        assert!(!hangs(&tracks));
+        for sample in &mut tracks[0].samples[10..16] {
+            sample.velocity = [0.0, 0.0, -0.01];
+        }
+        assert!(hangs(&tracks));
     }
 
     #[test]

@@ -316,7 +316,11 @@ pub fn with_links(folder: &Path, file: &str, text: &str) -> String {
     if links.is_empty() {
         return text.to_owned();
     }
-    text.replacen("</header>", &format!("<p class=\"bar\">{links}</p></header>"), 1)
+    text.replacen(
+        "</header>",
+        &format!("<p class=\"bar\">{links}</p></header>"),
+        1,
+    )
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use super::{
 use crate::precision::{
     grid::{self, Setting},
     lab::{Row, SceneLab},
-    output::{duration, length, order_text},
+    output::{duration, length, order_text, reference_text},
     summary::{Against, GOOD, recommendations},
 };
 
@@ -120,8 +120,9 @@ fn intro(body: &mut String) {
          a finer quantum lags less than retail, and is further from what retail shows.</dd>\
          <dt>error against the truth</dt><dd>The path at the times that were really simulated, against the solution in closed form where there is one, \
          else against the client at quanta of 1/960 s. How far that moves when its quanta are doubled stands as ± at each scene: where it is large, \
-         nothing converges, because the rules of retail decide differently at every quantum (the rest rule stops whatever is slower than 0.25 m/s: a falling \
-         object never gets going with quanta below 0.025 s).</dd>\
+         nothing converges, because the rules of retail decide differently at every quantum. Some scenes have no such reference at all: the rest rule stops \
+         whatever is slower than 0.25 m/s, so an object that falls from rest never gets going with quanta below 0.025 s and hangs in the air. They are \
+         plotted against the oracle.</dd>\
          <dt>smooth phases</dt><dd>Free flight, sliding and turning are integrated again in f64 and extrapolated to a quantum of 0; the number is the client's distance from that.</dd>\
          <dt>Pareto front</dt><dd>Settings with a rim: no other is both cheaper and nearer.</dd></dl></details>",
     );
@@ -168,11 +169,15 @@ fn section(body: &mut String, class: &str, labs: &[&SceneLab]) {
         if labs.is_empty() {
             continue;
         }
-        let what = if labs.len() == 1 {
+        let mut what = if labs.len() == 1 {
             labs[0].scene.clone()
         } else {
             format!("worst of {} scenes", labs.len())
         };
+        let hanging = labs.iter().filter(|lab| lab.hangs).count();
+        if hanging > 0 {
+            let _ = write!(what, " ({hanging} against the oracle)");
+        }
         card(
             body,
             &format!("{what}: error against run time"),
@@ -210,7 +215,7 @@ fn merged<'a>(labs: &[&'a SceneLab]) -> Vec<(&'a Setting, f64, f64)> {
     let mut sums: BTreeMap<&str, (f64, f64, f64)> = BTreeMap::new();
     for lab in labs {
         for row in &lab.rows {
-            let (Some(error), Some(ns)) = (row.error(), row.ns_per_second) else {
+            let (Some(error), Some(ns)) = (row.plotted(), row.ns_per_second) else {
                 continue;
             };
             if !sums.contains_key(&*row.setting.name) {
@@ -328,7 +333,7 @@ fn convergence(labs: &[&SceneLab], error: Axis) -> String {
 }
 
 fn point(row: &Row, error: Axis) -> Option<Point> {
-    let far = row.error()?;
+    let far = row.plotted()?;
     Some(Point {
         x: 1.0 / f64::from(row.setting.quanta_per_second?),
         y: far,
@@ -340,11 +345,11 @@ fn point(row: &Row, error: Axis) -> Option<Point> {
 fn table(body: &mut String, lab: &SceneLab) {
     let _ = write!(
         body,
-        "<h3>{} <span class=\"muted\">order {}, reference ± {}</span></h3><div class=\"scroll\"><table><thead><tr><th>Setting</th><th class=\"n\">Run time</th>\
+        "<h3>{} <span class=\"muted\">order {}, reference {}</span></h3><div class=\"scroll\"><table><thead><tr><th>Setting</th><th class=\"n\">Run time</th>\
          <th class=\"n\">Instructions</th><th class=\"n\">Oracle</th><th class=\"n\">Truth</th><th class=\"n\">Smooth phases</th></tr></thead><tbody>",
         escape(&lab.scene),
         order_text(lab.order),
-        lab.uncertainty.map_or("–".into(), length)
+        reference_text(lab)
     );
     for row in &lab.rows {
         let _ = write!(

@@ -89,13 +89,15 @@ fn ensembles(body: &mut String, ensembles: &[Ensemble]) {
     body.push_str(
         "<h2>What small changes grow to</h2><p class=\"muted\">Each scene runs again with its start moved by 1 to 8 units in the last place and by 1 µm to 1 mm, \
          and with frames that are longer by units in the last place. Contractive scenes forget the change, neutral ones keep it, growing ones amplify it; in a \
-         discontinuous one something is decided differently and the runs part in one frame.</p>",
+         discontinuous one something is decided differently and the runs part in one frame. Rounding of the clock decides in \
+         which frame a quantum runs that is as long as its gate (1/30 s), and in which quantum a frame of an animation is crossed with its root motion: such scenes part by the \
+         clock, in every implementation, and show the same places a frame earlier or later.</p>",
     );
     body.push_str("<div class=\"scroll\"><table><thead><tr><th>Area</th>");
     for class in CLASSES {
         let _ = write!(body, "<th class=\"n\">{}</th>", class.name());
     }
-    body.push_str("<th>Parted by</th></tr></thead><tbody>");
+    body.push_str("<th class=\"n\">part by the clock</th><th>Parted by</th></tr></thead><tbody>");
     let mut areas: BTreeMap<&str, Vec<&Ensemble>> = BTreeMap::new();
     for ensemble in ensembles {
         areas
@@ -109,6 +111,11 @@ fn ensembles(body: &mut String, ensembles: &[Ensemble]) {
             let count = ensembles.iter().filter(|e| e.class == class).count();
             let _ = write!(body, "<td class=\"n\">{count}</td>");
         }
+        let clock = ensembles
+            .iter()
+            .filter(|e| e.clock == Class::Discontinuous)
+            .count();
+        let _ = write!(body, "<td class=\"n\">{clock}</td>");
         let mut kinds: BTreeMap<&str, usize> = BTreeMap::new();
         for event in ensembles
             .iter()
@@ -161,7 +168,11 @@ fn plots(body: &mut String, ensembles: &[Ensemble]) {
         let _ = write!(
             body,
             "<details{}><summary>{}: {} scenes{}</summary><div class=\"grid\">",
-            if class == Class::Discontinuous { " open" } else { "" },
+            if class == Class::Discontinuous {
+                " open"
+            } else {
+                ""
+            },
             class.name(),
             of.len(),
             if shown < of.len() {
@@ -200,8 +211,7 @@ fn plot_of(body: &mut String, ensemble: &Ensemble) {
                     title: event.map_or(String::new(), |e| {
                         format!("{} in frame {}", e.kind, e.frame)
                     }),
-                    label: (at_event && color == 0)
-                        .then(|| event.map_or("", |e| e.kind).to_owned()),
+                    label: at_event.then(|| event.map_or("", |e| e.kind).to_owned()),
                 });
             }
             Series {

@@ -230,22 +230,23 @@ pub fn run(
     options: &Options,
     done: impl Fn() + Sync,
 ) -> Outcome {
-    run_with(simulator, cases, options, &Policy::default(), done)
+    run_with(simulator, cases, options, &Policy::default(), |_, _| done())
 }
 
-/// [`run`] with a policy that says what may differ.
+/// [`run`] with a policy that says what may differ. `done` is called with each case and its results, in the order in which they
+/// are done.
 pub fn run_with(
     simulator: &dyn Simulator,
     cases: &[Case],
     options: &Options,
     policy: &Policy,
-    done: impl Fn() + Sync,
+    done: impl Fn(&Case, &[RunResult]) + Sync,
 ) -> Outcome {
     let each: Vec<_> = cases
         .par_iter()
         .map(|case| {
             let results = runner::run_case(simulator, case, options, policy);
-            done();
+            done(case, &results.results);
             results
         })
         .collect();

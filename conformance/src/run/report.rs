@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, fmt::Write};
 
 use serde::Serialize;
 
-use super::{RunResult, baseline::Baseline};
+use super::{RunResult, SELF, baseline::Baseline};
 use crate::{
     compare::Class,
     gate::{Document, Verdict},
@@ -118,6 +118,12 @@ pub fn human(document: &Document, baseline: &Baseline) -> String {
                 .map(|guid| format!(" {guid}"))
                 .unwrap_or_default()
         );
+    }
+    if results
+        .iter()
+        .any(|result| result.oracle == SELF && result.first_divergence.is_some())
+    {
+        text += "oracle self is this library as it was: `ac-conform bless` shows the change, and takes it in if it is wanted\n";
     }
     if totals.frames_undefined_in_oracle > 0 {
         let _ = writeln!(

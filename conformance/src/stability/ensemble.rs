@@ -21,6 +21,8 @@ const GROWN: f64 = 10.0;
 const SHRUNK: f64 = 0.5;
 /// A discrete difference this many frames before a jump, or fewer, is its cause.
 const RECENT: usize = 30;
+/// What rounding in the clock may move something, m.
+const CLOCK: f64 = 1e-5;
 /// Points that a plot keeps.
 const POINTS: usize = 160;
 
@@ -50,6 +52,11 @@ impl Change {
         Self::FrameUlps(1),
         Self::FrameUlps(4),
     ];
+
+    /// Whether it is the clock that is changed, not a place.
+    pub const fn is_of_frames(self) -> bool {
+        matches!(self, Self::FrameUlps(_))
+    }
 
     /// The change in few words.
     pub fn name(self) -> String {
@@ -116,7 +123,8 @@ impl Class {
 pub struct Event {
     /// The frame.
     pub frame: i32,
-    /// What is different: quanta, cell, contact, outcome, collision, motion, plane touched, or nothing that is discrete.
+    /// What is different: quanta, cell, contact, outcome, collision, motion, frame of the
+    /// animation, plane touched, or nothing that is discrete.
     pub kind: &'static str,
     /// Distance before, m.
     pub before: f64,
@@ -131,7 +139,7 @@ pub struct Member {
     pub change: Change,
     /// How the scene took it.
     pub class: Class,
-    /// Distance at the start, m; for frames: after the first frame that shows one.
+    /// Distance at the start, m; for frames: after the first frame that shows one, at most 10 µm.
     pub start: f64,
     /// Largest distance, m.
     pub max: f64,
@@ -151,8 +159,10 @@ pub struct Member {
 pub struct Ensemble {
     /// Name of the scene.
     pub scene: String,
-    /// The worst class of its members.
+    /// The worst class of the changes of place.
     pub class: Class,
+    /// The worst class of the changes of the length of frames.
+    pub clock: Class,
     /// One per change.
     pub members: Vec<Member>,
 }
@@ -173,13 +183,14 @@ pub fn run(
         let other = states(&change.apply(scene), source, profile)?;
         members.push(member(*change, &base, &other));
     }
+    let worst = |frames: bool| {
+        let of = members.iter().filter(|m| m.change.is_of_frames() == frames);
+        of.map(|m| m.class).max().unwrap_or(Class::Neutral)
+    };
     Ok(Ensemble {
         scene: scene.name.clone(),
-        class: members
-            .iter()
-            .map(|m| m.class)
-            .max()
-            .unwrap_or(Class::Neutral),
+        class: worst(false),
+        clock: worst(true),
         members,
     })
 }
@@ -250,6 +261,10 @@ fn discrete(a: &FrameState, b: &FrameState) -> Option<&'static str> {
     if moving(a) != moving(b) || a.events != b.events {
         return Some("motion");
     }
+    let frame = |s: &FrameState| s.anim.as_ref().map(|anim| anim.frame_number.floor());
+    if frame(a) != frame(b) {
+        return Some("animation frame");
+    }
     // The same kind of contact with something else.
     let other = |a: Option<[f32; 3]>, b: Option<[f32; 3]>| match (a, b) {
         (Some(a), Some(b)) => a.iter().zip(b).any(|(a, b)| (a - b).abs() > 0.01),
@@ -267,6 +282,12 @@ fn member(change: Change, base: &[Vec<FrameState>], other: &[Vec<FrameState>]) -
         .map(|(d, _)| *d)
         .find(|d| *d > 0.0)
         .unwrap_or(0.0);
+    // A clock that is off by rounding moves nothing farther than this by itself.
+    let start = if change.is_of_frames() {
+        start.min(CLOCK)
+    } else {
+        start
+    };
     let max = apart.iter().map(|(d, _)| *d).fold(0.0, f64::max);
     let end = apart.last().map_or(0.0, |(d, _)| *d);
     let event = event(&apart, start);

@@ -338,12 +338,18 @@ impl Watch {
         let parts = entity.body.part_array.as_ref();
         let center = parts.and_then(|p| p.spheres().first()).map(|s| s.center);
         let center = center.unwrap_or_default() * entity.body.scale;
-        let at = entity.body.position.frame.local_to_global(center, &run.world.profile);
+        let at = entity
+            .body
+            .position
+            .frame
+            .local_to_global(center, &run.world.profile);
         let column = |c: u32| c as f32 * 24.0;
         let (x, y) = (column((low - 1) / 8), column((low - 1) % 8));
         let within = |p: f32, from: f32| (from - BORDER..=from + 24.0 + BORDER).contains(&p);
         let agrees = within(at.x, x) && within(at.y, y);
-        Some(ensure(agrees, || format!("cell {:#X}, centre {at}", state.cell)))
+        Some(ensure(agrees, || {
+            format!("cell {:#X}, centre {at}", state.cell)
+        }))
     }
 }
 
@@ -420,4 +426,110 @@ fn inputs(scene: &Scene) -> Vec<f32> {
         }
     }
     numbers
+}
+
+#[cfg(test)]
+mod tests {
+    use ac_client::{frame::state::ContactPlane, physics::body::EntityId};
+
+    use super::*;
+    use crate::stability::{stage::Stage, trial::Trial, worlds};
+
+    fn state(origin: [f32; 3], velocity: [f32; 3]) -> FrameState {
+        FrameState {
+            has: Fields::ORIGIN,
+            guid: 1,
+            cell: 0x2020_0001,
+            frame: 7,
+            origin,
+            rotation: [1.0, 0.0, 0.0, 0.0],
+            velocity,
+            contact_plane: Some(ContactPlane::default()),
+            ..FrameState::default()
+        }
+    }
+
+    fn watch() -> Watch {
+        let play = worlds::play().unwrap();
+        Watch::new(&Stage::new(play).closed([0.0; 3], [10.0; 3]))
+    }
+
+    fn broken(check: Check) -> bool {
+        check.expect("it can be checked").is_err()
+    }
+
+    #[test]
+    fn what_is_not_finite_too_fast_or_outside_is_seen() {
+        let fine = state([1.0; 3], [3.0, 0.0, 0.0]);
+        assert!(
+            !broken(watch().finite(&fine))
+                && !broken(speed(&fine))
+                && !broken(watch().tunnel(&fine))
+        );
+        assert!(broken(
+            watch().finite(&state([f32::NAN, 0.0, 0.0], [0.0; 3]))
+        ));
+        assert!(broken(
+            watch().finite(&state([0.0; 3], [f32::INFINITY, 0.0, 0.0]))
+        ));
+        assert!(broken(speed(&state([0.0; 3], [40.0, 40.0, 0.0]))));
+        assert!(broken(watch().tunnel(&state([1.0, 11.0, 1.0], [0.0; 3]))));
+    }
+
+    #[test]
+    fn what_moves_by_itself_is_seen() {
+        let entity = Entity::new(EntityId(0), 1, 0.0);
+        let still = state([1.0; 3], [0.0; 3]);
+        let moved = state([1.0, 1.0, 1.0_f32.next_up()], [0.0; 3]);
+        let settled = || Known {
+            last: Some(still.clone()),
+            still: SETTLED,
+            ..Known::default()
+        };
+        assert!(!broken(watch().rest(&still, &entity, &mut settled())));
+        assert!(broken(watch().rest(&moved, &entity, &mut settled())));
+        let mut young = settled();
+        young.still = 5;
+        assert!(watch().rest(&moved, &entity, &mut young).is_none());
+    }
+
+    #[test]
+    fn energy_from_nowhere_is_seen() {
+        let entity = Entity::new(EntityId(0), 1, 0.0);
+        let mut known = Known::default();
+        assert!(
+            watch()
+                .energy(&state([1.0; 3], [3.0, 0.0, 0.0]), &entity, &mut known)
+                .is_none()
+        );
+        assert!(!broken(watch().energy(
+            &state([1.0; 3], [2.0, 0.0, 0.0]),
+            &entity,
+            &mut known
+        )));
+        assert!(broken(watch().energy(
+            &state([1.0; 3], [4.0, 0.0, 0.0]),
+            &entity,
+            &mut known
+        )));
+    }
+
+    #[test]
+    fn leaving_a_closed_room_is_a_violation_of_ours() {
+        let play = worlds::play().unwrap();
+        let mut trial = Trial::new();
+        let room = Stage::new(play)
+            .frames(0.04, 40)
+            .closed([0.0; 3], [50.0; 3]);
+        trial.scene(&room.thrown(play.ball, [45.0, 45.0, 5.0], [30.0, 0.0, 0.0]));
+        let case = crate::stability::Case {
+            section: "00",
+            number: 1,
+            title: "a room that is none",
+            run: |_| (),
+        };
+        let result = trial.result(&case);
+        assert_eq!(result.verdict, crate::stability::Verdict::Ours);
+        assert_eq!(result.violations[0].invariant, Invariant::Tunnel);
+    }
 }

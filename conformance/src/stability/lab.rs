@@ -205,7 +205,7 @@ fn time_of_day(
         .filter(|m| matches!(m.change, Change::FrameUlps(_)))
         .map(|m| m.max)
         .fold(0.0, f64::max);
-    let unstable = ensemble.class >= Class::Growing;
+    let unstable = ensemble.class.max(ensemble.clock) >= Class::Growing;
     let (distance, frame) = furthest(&early, &late);
     if distance <= TIME_BOUND.max(4.0 * amplified) {
         return Ok(());

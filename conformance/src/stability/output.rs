@@ -40,6 +40,7 @@ pub fn totals(report: &Report) -> Value {
         "cases": count(&mut report.cases.iter().map(|case| case.verdict)),
         "scenes": count(&mut report.scenes.iter().map(|scene| scene.verdict)),
         "ensembles": ensemble::counts(&report.ensembles),
+        "parted_by_the_clock": report.ensembles.iter().filter(|e| e.clock == Class::Discontinuous).count(),
         "ours": report.ours(),
     })
 }
@@ -123,7 +124,7 @@ pub fn sentence(report: &Report) -> String {
     let of = |verdict: Verdict| report.cases.iter().filter(|c| c.verdict == verdict).count();
     let class = |class: Class| report.ensembles.iter().filter(|e| e.class == class).count();
     format!(
-        "{} listed cases: {} hold, {} as retail, {} without code here, {} ours; {} scenes under the rules, {} ours; of {} ensembles {} contractive, {} neutral, {} growing, {} discontinuous",
+        "{} listed cases: {} hold, {} as retail, {} without code here, {} ours; {} scenes under the rules, {} ours; of {} ensembles {} contractive, {} neutral, {} growing, {} discontinuous; {} part when the clock is off by rounding",
         report.cases.len(),
         of(Verdict::Holds),
         of(Verdict::AsRetail),
@@ -140,5 +141,10 @@ pub fn sentence(report: &Report) -> String {
         class(Class::Neutral),
         class(Class::Growing),
         class(Class::Discontinuous),
+        report
+            .ensembles
+            .iter()
+            .filter(|e| e.clock == Class::Discontinuous)
+            .count(),
     )
 }

@@ -63,9 +63,23 @@ fn every_listed_case_runs_and_none_is_ours() {
     let cases = lab::cases(|id| !long.contains(&id));
     assert_eq!(cases.len(), generators::all().len() - long.len());
     for case in &cases {
-        assert_ne!(case.verdict, Verdict::Ours, "{}: {:#?}", case.id, case.violations);
-        assert!(case.checks > 0 || case.verdict == Verdict::NoCode, "{} checks nothing", case.id);
-        assert!(case.verdict != Verdict::NoCode || matches!(&case.id[..2], "02" | "12"), "{}", case.id);
+        assert_ne!(
+            case.verdict,
+            Verdict::Ours,
+            "{}: {:#?}",
+            case.id,
+            case.violations
+        );
+        assert!(
+            case.checks > 0 || case.verdict == Verdict::NoCode,
+            "{} checks nothing",
+            case.id
+        );
+        assert!(
+            case.verdict != Verdict::NoCode || matches!(&case.id[..2], "02" | "12"),
+            "{}",
+            case.id
+        );
     }
 }
 
@@ -86,13 +100,28 @@ fn results_are_the_same_every_time() {
 fn a_fall_is_neutral_and_repeats_of_itself_are_equal() {
     let play = worlds::play().unwrap();
     let (_, stage) = lab::plain(play).swap_remove(1);
-    let found = ensemble::run(&stage.scene, &stage.source, &Profile::retail(), &Change::ALL).unwrap();
+    let found = ensemble::run(
+        &stage.scene,
+        &stage.source,
+        &Profile::retail(),
+        &Change::ALL,
+    )
+    .unwrap();
     assert_eq!(found.members.len(), Change::ALL.len());
     assert_ne!(found.class, Class::Discontinuous, "{found:#?}");
     for member in &found.members {
         let nudged = matches!(member.change, Change::Place(_) | Change::PlaceUlps(_));
         assert!(!nudged || member.start > 0.0, "{member:?}");
     }
-    let nothing = ensemble::run(&stage.scene, &stage.source, &Profile::retail(), &[Change::PlaceUlps(0)]).unwrap();
-    assert_eq!((nothing.members[0].start, nothing.members[0].max), (0.0, 0.0));
+    let nothing = ensemble::run(
+        &stage.scene,
+        &stage.source,
+        &Profile::retail(),
+        &[Change::PlaceUlps(0)],
+    )
+    .unwrap();
+    assert_eq!(
+        (nothing.members[0].start, nothing.members[0].max),
+        (0.0, 0.0)
+    );
 }

@@ -320,7 +320,12 @@ fn rooms(world: &mut WorldBuilder, x: u8, y: u8) {
     ]);
     let home = world.block(x, y);
     let one = home.room(trick, 0, StoredFrame::at(TRICK.into()), 1);
-    let two = home.room(trick, 1, StoredFrame::at(Vec3::new(TRICK[0] + 1.0, TRICK[1] + 4.0, TRICK[2])), 1);
+    let two = home.room(
+        trick,
+        1,
+        StoredFrame::at(Vec3::new(TRICK[0] + 1.0, TRICK[1] + 4.0, TRICK[2])),
+        1,
+    );
     home.connect((one, 0), (two, 0));
 }
 
@@ -330,7 +335,8 @@ fn town(world: &mut WorldBuilder, x: u8, y: u8) {
         u: [-1.0, 1.0],
         v: [0.0, 2.5],
     };
-    let room = Room::new(Vec3::new(-3.0, -3.0, 0.0), Vec3::new(3.0, 3.0, 3.0)).doorway(Side::South, door);
+    let room =
+        Room::new(Vec3::new(-3.0, -3.0, 0.0), Vec3::new(3.0, 3.0, 3.0)).doorway(Side::South, door);
     let environment = world.environment(&[room]);
     let mut walls = Vec::new();
     for (low, high) in [
@@ -355,6 +361,8 @@ fn town(world: &mut WorldBuilder, x: u8, y: u8) {
 /// Water from the middle column on, and a block that is nothing else.
 fn shore(world: &mut WorldBuilder, x: u8, y: u8) {
     let (land, water) = (TerrainWord::new(0, 1, 0), TerrainWord::new(0, 20, 0));
-    world.block(x, y).terrain(|column, _| if column > 3 { water } else { land });
+    world
+        .block(x, y)
+        .terrain(|column, _| if column > 3 { water } else { land });
     world.block(x + 1, y).terrain(|_, _| water);
 }

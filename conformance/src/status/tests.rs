@@ -83,6 +83,8 @@ fn the_page() {
         motionless: ["terrain/one".to_owned()].into(),
         retail: vec![result(Mode::Free, 2)],
         sensitivity: vec![sensitive()],
+        plans: Vec::new(),
+        numerics: Numerics::default(),
         wall: Duration::from_millis(1500),
         vectors_wall: Duration::from_millis(250),
         sensitivity_wall: Duration::from_millis(12_340),
@@ -97,6 +99,7 @@ fn the_page() {
             elements: Some(3),
         }],
         tools: Default::default(),
+        recorder: RecorderNumbers::default(),
     };
     let page = page(&measured).replace("(debug build; ", "(release build; ");
     // What other switches there are is no matter of this test.

@@ -1,7 +1,7 @@
 //! The part of the page about finding causes: what bisecting and shrinking did when they were tried.
 //!
-//! Both commands print a line of JSON with `--format json`; the page reads the lines that were kept in `target/bisect.jsonl` and
-//! `target/shrink.jsonl` (docs/bisecting.md says how).
+//! Both commands print a line of JSON with `--format json`; the page reads the lines in `target/bisect.jsonl` and
+//! `target/shrink.jsonl` (docs/bisecting.md says where they come from).
 
 use std::{fmt::Write, fs, path::Path};
 

@@ -1,7 +1,10 @@
 use std::io::Cursor;
 
+use foxglove::messages::FrameTransform;
+
 use super::*;
 use crate::corpus;
+use crate::trace::TraceReader;
 
 /// Messages by topic: schema name, encodings, and bytes. Every schema must describe its message.
 fn read(bytes: &[u8]) -> BTreeMap<String, Vec<Vec<u8>>> {
@@ -30,7 +33,7 @@ fn read(bytes: &[u8]) -> BTreeMap<String, Vec<Vec<u8>>> {
 
 /// A schema of protobuf is a set of files; one of them must define the message.
 fn describes(schema: &[u8], name: &str) {
-    let set = <foxglove::prost_types::FileDescriptorSet as prost::Message>::decode(schema)
+    let set = <prost_types::FileDescriptorSet as prost::Message>::decode(schema)
         .expect("a FileDescriptorSet");
     let defined = set.file.iter().flat_map(|file| {
         let package = file.package().to_owned();
@@ -115,15 +118,7 @@ fn objects_move_leave_paths_and_go() {
 
 #[test]
 fn a_trace_becomes_pictures() {
-    let folder = corpus::bundled().join("traces");
-    let mut files: Vec<_> = std::fs::read_dir(folder)
-        .expect("bundled traces")
-        .flatten()
-        .map(|e| e.path())
-        .filter(|p| p.extension().is_some_and(|e| e == "mcap"))
-        .collect();
-    files.sort();
-    let path = &files[0];
+    let path = &corpus::bundled().join("traces/terrain/cliff-jump.mcap");
     let mut trace = TraceReader::open(path).expect("a trace");
     let mut out = Cursor::new(Vec::new());
     let counts = of_trace(&mut trace, &mut out, "test", path).expect("memory");

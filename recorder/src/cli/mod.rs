@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 = done; 1 = something is wrong with what was recorded, read or written (the text says what); 2 = it could not be done.
 
+mod export;
 mod look;
 mod make;
 mod proxy;
@@ -42,7 +43,7 @@ enum Command {
     /// List the messages of a recording.
     Ls(look::LsArgs),
     /// Write the messages of a recording as JSON, one per line, or as pictures for Foxglove and Rerun.
-    Export(look::ExportArgs),
+    Export(export::ExportArgs),
     /// Check every datagram, every message and the index.
     Verify(Inputs),
     /// Save what can be read of a file that was cut off.
@@ -106,7 +107,7 @@ fn run(command: Command) -> Result<(String, u8), RecordError> {
         Command::Proxy(args) => proxy::proxy(&args),
         Command::Info(args) => look::info(&args.input),
         Command::Ls(args) => look::ls(&args),
-        Command::Export(args) => look::export(&args),
+        Command::Export(args) => export::export(&args),
         Command::Verify(args) => look::verify(&args.input),
         Command::Recover(args) => make::recover(&args),
         Command::Import(args) => make::import_capture(&args),

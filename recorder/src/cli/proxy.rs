@@ -107,13 +107,24 @@ pub(super) fn proxy(args: &ProxyArgs) -> Result<(String, u8), RecordError> {
             tracing::warn!("account names and passwords are written to the file (--keep-secrets)");
         }
         tracing::info!(listen = %config.listen, server = %config.server, "recording; Ctrl-C ends it");
-        Ok::<_, RecordError>(proxy.run(asked_to_stop()).await)
+        let stop = async {
+            asked_to_stop().await;
+            tokio::spawn(give_up_when_asked_again());
+        };
+        Ok::<_, RecordError>(proxy.run(stop).await)
     })?;
     let (mut text, code) = told(args, &report);
     if let Some(output) = &args.foxglove {
-        let _ = super::look::draw(&report.disk.files, output, &mut text)?;
+        let _ = super::export::draw(&report.disk.files, output, &mut text)?;
     }
     Ok((text, code))
+}
+
+/// A disk that does not answer must not make the program immortal.
+async fn give_up_when_asked_again() {
+    asked_to_stop().await;
+    eprintln!("ended without waiting for the disk; `ac-record recover` saves what is there");
+    std::process::exit(i32::from(FOUND));
 }
 
 /// What the proxy did, and whether something is wrong.

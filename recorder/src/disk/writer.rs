@@ -38,6 +38,11 @@ pub fn part_path(first: &Path, number: u32) -> PathBuf {
     first.with_file_name(name)
 }
 
+/// There is a file of this name.
+fn is_taken(error: &RecordError) -> bool {
+    matches!(error, RecordError::File { source, .. } if source.kind() == std::io::ErrorKind::AlreadyExists)
+}
+
 enum State {
     Writing(Box<Part>),
     /// Nothing is written; when to try again.
@@ -67,8 +72,8 @@ pub(super) struct DiskWriter {
     secrets: SharedSecrets,
     state: State,
     number: u32,
-    files: Vec<PathBuf>,
     checks: Vec<Check>,
+    report: DiskReport,
     counted: (Instant, Counts),
 }
 
@@ -91,14 +96,14 @@ impl DiskWriter {
             secrets,
             state: State::Between,
             number: 1,
-            files: Vec::new(),
             checks: Vec::new(),
+            report: DiskReport::default(),
             counted: (Instant::now(), Counts::default()),
         };
         let path = this.config.output.clone();
         match this.open(&path, start) {
             Ok(()) => Ok(this),
-            Err((error, _)) => Err(error),
+            Err(failed) => Err(failed.0),
         }
     }
 
@@ -107,12 +112,12 @@ impl DiskWriter {
         &mut self,
         path: &Path,
         state: Continuation,
-    ) -> Result<(), (RecordError, Continuation)> {
+    ) -> Result<(), Box<(RecordError, Continuation)>> {
         let medium = match self.storage.create(path) {
             Ok(medium) => medium,
             Err(source) => {
                 let path = path.into();
-                return Err((RecordError::File { path, source }, state));
+                return Err(Box::new((RecordError::File { path, source }, state)));
             }
         };
         let part = PartInfo {
@@ -122,7 +127,7 @@ impl DiskWriter {
         let written = sink.written();
         let writer = RecordingWriter::part(sink, self.config.options, part, state)
             .inspect_err(|_| self.storage.remove(path))?;
-        self.files.push(path.into());
+        self.report.files.push(path.into());
         add(&self.counters.files, 1);
         self.state = State::Writing(Box::new(Part {
             writer,
@@ -144,15 +149,14 @@ impl DiskWriter {
                     tracing::info!(file = %path.display(), "recording goes on");
                     return;
                 }
-                Err((RecordError::File { source, .. }, back))
-                    if source.kind() == std::io::ErrorKind::AlreadyExists =>
-                {
+                Err(failed) => {
+                    let (error, back) = *failed;
+                    if !is_taken(&error) {
+                        self.number -= 1;
+                        self.fail(&error, back);
+                        return;
+                    }
                     state = back;
-                }
-                Err((error, back)) => {
-                    self.number -= 1;
-                    self.fail(&error, back);
-                    return;
                 }
             }
         }
@@ -310,32 +314,43 @@ impl DiskWriter {
         if self.config.options.secrets == SecretPolicy::Keep {
             return;
         }
+        self.take_checks(false);
         let searcher = locked(&self.secrets).searcher();
         let own = path.clone();
         self.checks
             .push((path, std::thread::spawn(move || scan(&own, &searcher))));
     }
 
-    fn end(mut self) -> DiskReport {
-        self.close();
-        let secrets = locked(&self.secrets);
-        let mut report = DiskReport {
-            files: self.files,
-            secrets: secrets.len(),
-            too_many_secrets: secrets.overflowed(),
-            ..DiskReport::default()
-        };
-        for (path, check) in self.checks {
-            match check.join() {
+    /// Takes the results of checks that are done, or of all of them.
+    fn take_checks(&mut self, all: bool) {
+        let done = |check: &mut Check| all || check.1.is_finished();
+        for (path, check) in self.checks.extract_if(.., done) {
+            let result = check.join();
+            match result {
                 Ok(Ok(found)) if found.is_clean() => {}
-                Ok(Ok(found)) => report.leaks.push((path, found.in_file + found.in_records)),
-                Ok(Err(error)) => report.unchecked.push((path, error.to_string())),
-                Err(_) => report
-                    .unchecked
-                    .push((path, "the check ended early".into())),
+                Ok(Ok(found)) => {
+                    tracing::error!(file = %path.display(), "SECRET FOUND: do not share this file");
+                    let places = found.in_file + found.in_records;
+                    self.report.leaks.push((path, places));
+                }
+                Ok(Err(error)) => self.report.unchecked.push((path, error.to_string())),
+                Err(_) => {
+                    let why = "the check ended early".to_owned();
+                    self.report.unchecked.push((path, why));
+                }
             }
         }
-        report
+    }
+
+    fn end(mut self) -> DiskReport {
+        self.close();
+        self.take_checks(true);
+        let secrets = locked(&self.secrets);
+        DiskReport {
+            secrets: secrets.len(),
+            too_many_secrets: secrets.overflowed(),
+            ..self.report
+        }
     }
 }
 

@@ -13,7 +13,11 @@ use tokio::sync::oneshot;
 use super::echo::{EchoServer, Packets, log_in, pair, sequence};
 use super::{Scratch, write_lines};
 use crate::cli::FOUND;
+use crate::clock::Clock;
+use crate::counters::Counters;
+use crate::disk::{Disk, DiskConfig, Files};
 use crate::error::RecordError;
+use crate::format::Stream;
 use crate::proxy::{Proxy, ProxyConfig, ProxyReport};
 use crate::sockets;
 
@@ -21,7 +25,7 @@ use crate::sockets;
 #[derive(clap::Args)]
 pub struct BenchArgs {
     /// Datagrams per second, one measurement each.
-    #[arg(long, value_delimiter = ',', default_value = "1000,10000,100000")]
+    #[arg(long, value_delimiter = ',', default_value = "1000,10000,30000,100000")]
     rates: Vec<u32>,
     /// Seconds of each measurement.
     #[arg(long, default_value_t = 3.0)]
@@ -57,6 +61,8 @@ struct Line {
     recorded: u64,
     unwritten: u64,
     system_dropped: u64,
+    /// Datagrams that the writer thread alone takes per second.
+    writer_per_second: f64,
     cores: usize,
 }
 
@@ -66,8 +72,12 @@ struct Line {
 /// A socket or file cannot be opened.
 pub fn run(args: &BenchArgs) -> Result<(String, u8), RecordError> {
     let mut lines = Vec::new();
+    let writer_per_second = writer_alone()?;
     for &rate in &args.rates {
-        let line = measure(rate, args.seconds)?;
+        let line = Line {
+            writer_per_second,
+            ..measure(rate, args.seconds)?
+        };
         tracing::info!(?line, "measured");
         lines.push(line);
     }
@@ -91,6 +101,11 @@ pub fn run(args: &BenchArgs) -> Result<(String, u8), RecordError> {
             l.unwritten
         );
     }
+    let writer = lines.first().map_or(0.0, |l| l.writer_per_second);
+    let _ = writeln!(
+        text,
+        "the writer alone takes {writer:.0} datagrams per second"
+    );
     let unwritten = lines.iter().any(|l| l.unwritten > 0);
     Ok((text, if unwritten { FOUND } else { 0 }))
 }
@@ -122,8 +137,34 @@ fn measure(rate: u32, seconds: f64) -> Result<Line, RecordError> {
         recorded: report.counts.recorded,
         unwritten: report.counts.unwritten(),
         system_dropped: report.counts.system_dropped,
+        writer_per_second: 0.0,
         cores: std::thread::available_parallelism().map_or(0, usize::from),
     })
+}
+
+/// What the writer thread sustains: redaction, index, compression, file.
+fn writer_alone() -> Result<f64, RecordError> {
+    const COUNT: u32 = 200_000;
+    let scratch = Scratch::new("writer")?;
+    let config = DiskConfig {
+        queue: COUNT as usize,
+        queue_bytes: 1 << 30,
+        ..DiskConfig::new(scratch.0.join("writer.mcap"))
+    };
+    let counters = Arc::<Counters>::default();
+    let disk = Disk::start(config, Box::new(Files), Clock::new(), counters)?;
+    let stream = Stream {
+        client: 0,
+        to_server: true,
+        next_port: false,
+    };
+    let mut packets = Packets::default();
+    let start = Instant::now();
+    for number in 2..COUNT + 2 {
+        disk.record(stream, u64::from(number), None, packets.packet(number));
+    }
+    disk.finish();
+    Ok(f64::from(COUNT) / start.elapsed().as_secs_f64())
 }
 
 /// A proxy on a thread of its own, as the program runs it.

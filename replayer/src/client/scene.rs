@@ -209,6 +209,7 @@ impl SceneRun {
         let start = outline.entities.iter().find(|e| Some(e.guid) == followed);
         let start: Option<CellId> = start.map(|e| e.position.cell);
         let active = ActivePlan::new(Arc::clone(plan), Arc::clone(index), followed);
+        let active = active.with_anchor(outline.anchor());
         self.world.set_plan(active, start);
         late
     }
@@ -270,9 +271,7 @@ impl SceneRun {
                 // Nobody asks for its records.
                 continue;
             }
-            if let Some(entity) = self.world.entity_mut(object.id) {
-                entity.begin_frame();
-            }
+            self.world.entities.begin_frame(object.id);
         }
         let now = self.world.clock.now + frame_length(&self.scene, frame);
         let mut input = ScriptInput {

@@ -2,25 +2,34 @@
 
 mod worlds;
 
+use std::cell::Cell;
 use std::sync::Arc;
 
 use ac_client::dat::DatSet;
-use ac_client::frame::plan::{Omission, Outputs, Part, PlanError};
+use ac_client::frame::plan::{Extended, Omission, Outputs, Part, PlanError, WorldIndex};
 use ac_client::frame::{FrameState, FrameStates, Plan};
 use ac_client::profile::Profile;
+use ac_client::world::WorldSource;
 use ac_golden_traces::{Scene, corpus, trace::TraceReader};
 use ac_replayer::client::{ClientSimulator, PlanChoice, ScenePlan, SceneRun, planning};
 use ac_replayer::{Simulation, SimulationError};
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::{Config, TestRunner};
+use worlds::Drawn;
 
 /// Starts a scene under a plan.
-fn start(scene: &Scene, set: &Arc<DatSet>, profile: &Profile, choice: &PlanChoice) -> SceneRun {
-    let index = Arc::new(planning::measure_index(set, profile).expect("the files are well formed"));
+fn start(
+    scene: &Scene,
+    set: &Arc<DatSet>,
+    profile: &Profile,
+    choice: &PlanChoice,
+    index: WorldIndex,
+) -> SceneRun {
+    let index = Arc::new(index);
     let outline = planning::outline(scene, Outputs::default());
-    let plan = choice
-        .plan_for(&outline, set, &index, profile)
-        .expect("it is no given plan");
-    let plan = plan.map(|plan| ScenePlan {
+    let plan = choice.plan_for(&outline, set, &index, profile);
+    let plan = plan.expect("it is no given plan").map(|plan| ScenePlan {
         plan,
         index,
         outline,
@@ -57,27 +66,82 @@ fn last_state(run: &SceneRun, guid: u32) -> Option<FrameState> {
     Some(state)
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
-
-    #[test]
-    fn what_the_planner_leaves_out_changes_nothing(drawn in worlds::drawn(), profile in prop::sample::select(Profile::NAMES.to_vec())) {
-        let (scene, set) = (drawn.scene(), drawn.land.build());
-        let profile = Profile::named(profile).expect("a preset");
-        let mut full = start(&scene, &set, &profile, &PlanChoice::Full);
-        let mut auto = start(&scene, &set, &profile, &PlanChoice::Auto);
-        let (expected, produced) = (run(&mut full), run(&mut auto));
-        prop_assert_eq!(first_difference(&expected, &produced), None);
-        // What nobody asked for is the same, too, once it is brought up to date.
-        auto.settle();
-        for spec in &scene.entities {
-            let (Some(expected), Some(produced)) = (last_state(&full, spec.guid), last_state(&auto, spec.guid)) else {
-                continue;
-            };
-            prop_assert!(expected.same_bits(&produced), "{expected:?}\n{produced:?}");
+/// Runs a drawn scene with everything done, and with what the planner keeps; answers the first difference, and what had to be made up for.
+fn compare(
+    drawn: &Drawn,
+    profile: &Profile,
+    index: impl Fn(&Arc<DatSet>) -> WorldIndex,
+) -> (Option<String>, Extended) {
+    let (scene, set) = (drawn.scene(), drawn.land.build());
+    let mut full = start(&scene, &set, profile, &PlanChoice::Full, index(&set));
+    let mut auto = start(&scene, &set, profile, &PlanChoice::Auto, index(&set));
+    let (expected, produced) = (run(&mut full), run(&mut auto));
+    let mut difference = first_difference(&expected, &produced);
+    let extended = auto.extended();
+    // What nobody asked for is the same, too, once it is brought up to date.
+    auto.settle();
+    for spec in &scene.entities {
+        let pair = (last_state(&full, spec.guid), last_state(&auto, spec.guid));
+        if let (Some(expected), Some(produced)) = pair
+            && !expected.same_bits(&produced)
+        {
+            difference.get_or_insert(format!("{expected:?}\n{produced:?}"));
         }
-        prop_assert_eq!(full.world.clock, auto.world.clock);
     }
+    if full.world.clock != auto.world.clock {
+        difference.get_or_insert(format!("{:?} {:?}", full.world.clock, auto.world.clock));
+    }
+    (difference, extended)
+}
+
+fn measured(set: &Arc<DatSet>, profile: &Profile) -> WorldIndex {
+    planning::measure_index(set, profile).expect("the files are well formed")
+}
+
+fn profiles() -> impl Strategy<Value = &'static str> {
+    prop::sample::select(Profile::NAMES.to_vec())
+}
+
+#[test]
+fn what_the_planner_leaves_out_changes_nothing() {
+    let (entities, awakenings, ticks) = (Cell::new(0), Cell::new(0), Cell::new(0));
+    let mut runner = TestRunner::new(Config::default());
+    let result = runner.run(&(worlds::drawn(), profiles()), |(drawn, profile)| {
+        let profile = Profile::named(profile).expect("a preset");
+        let (difference, extended) = compare(&drawn, &profile, |set| measured(set, &profile));
+        prop_assert_eq!(difference, None);
+        entities.set(entities.get() + extended.entities);
+        awakenings.set(awakenings.get() + extended.awakenings);
+        ticks.set(ticks.get() + extended.frames_put_off);
+        Ok(())
+    });
+    result.unwrap_or_else(|failure| panic!("{failure}"));
+    // All of it has been tried.
+    let tried = [entities.get(), awakenings.get(), ticks.get()];
+    assert!(tried.iter().all(|&count| count > 0), "{tried:?}");
+}
+
+/// The drawn worlds can tell: if what belongs together is not loaded together, results change.
+#[test]
+fn without_the_groups_of_the_world_a_difference_shows() {
+    let profile = Profile::retail();
+    let mut runner = TestRunner::deterministic();
+    let strategy = worlds::drawn();
+    let differs = |runner: &mut TestRunner| {
+        let drawn = strategy
+            .new_tree(runner)
+            .expect("nothing is rejected")
+            .current();
+        let alone = |set: &Arc<DatSet>| {
+            let source: Arc<dyn WorldSource> = Arc::clone(set) as _;
+            WorldIndex::measure(&source, &profile, Vec::new())
+        };
+        compare(&drawn, &profile, alone).0.is_some()
+    };
+    assert!(
+        (0..400).any(|_| differs(&mut runner)),
+        "the worlds are too tame"
+    );
 }
 
 fn bundled(name: &str) -> Scene {
@@ -109,13 +173,13 @@ fn given(omissions: Vec<Omission>, forced: bool) -> ClientSimulator {
         .with_plan(PlanChoice::Given { plan, forced })
 }
 
-/// Leaving out the ticks of the only one whose states are wanted is refused, and changes the states when it is forced.
+/// Leaving out the ticks of those whose states are wanted is refused, and changes the states when it is forced.
 #[test]
 fn a_wrong_plan_is_refused_and_shows_when_it_is_forced() {
-    let scene = bundled("clock/late-start");
+    let scene = bundled("lifecycle/many");
     let profile = Profile::retail();
     let guid = scene.track[0];
-    let idle = vec![omission(Part::IdleTicks, &[guid])];
+    let idle = vec![omission(Part::IdleTicks, &scene.track)];
     let error = given(idle.clone(), false)
         .run(&scene, &profile)
         .map(|_| ())
@@ -131,7 +195,7 @@ fn a_wrong_plan_is_refused_and_shows_when_it_is_forced() {
         }
     );
     let expected = format!(
-        "scene `clock/late-start`: the plan cannot be used: left_out, `idle-ticks`: {guid:#010X} can change results"
+        "scene `lifecycle/many`: the plan cannot be used: left_out, `idle-ticks`: {guid:#010X} can change results"
     );
     assert_eq!(error.to_string(), expected);
 

@@ -15,8 +15,10 @@ use ac_golden_traces::scene::{
 };
 use proptest::prelude::*;
 
-/// South-western block of the drawn ones, and how many there are along one side.
+/// South-western block of the drawn ones, and how far the others are from it, along both sides: neighbours, and some that the window of
+/// landblocks does not hold at the same time.
 const CORNER: (u8, u8) = (0x40, 0x50);
+const OFFSETS: [u8; SIDE as usize] = [0, 1, 6, 13];
 const SIDE: u8 = 4;
 const START: f64 = 1000.0;
 const STYLE: u32 = 0x8000_003D;
@@ -39,6 +41,12 @@ pub struct Land {
     statics: Vec<(u8, Spot, f32)>,
     /// Blocks with a dungeon of two rooms and something in them.
     dungeons: Vec<(u8, u8)>,
+}
+
+/// The block of drawn numbers.
+fn block_at((x, y): (u8, u8)) -> (u8, u8) {
+    let offset = |n: u8| OFFSETS[usize::from(n)];
+    (CORNER.0 + offset(x), CORNER.1 + offset(y))
 }
 
 /// An entity: kind by number, place, height, velocity.
@@ -132,7 +140,7 @@ fn step() -> impl Strategy<Value = Step> {
 pub fn drawn() -> impl Strategy<Value = Drawn> {
     let things = prop::collection::vec(thing(), 1..14);
     let steps = prop::collection::vec(step(), 0..10);
-    let frames = prop::collection::vec((0_u8..5, 1_u8..40), 1..4);
+    let frames = prop::collection::vec((0_u8..8, 1_u8..40), 1..4);
     (land(), things, 1_u8..4, steps, frames).prop_map(|(land, things, tracked, steps, frames)| {
         Drawn {
             land,
@@ -255,7 +263,8 @@ impl Land {
         let (a, b) = self.slope;
         for x in 0..SIDE {
             for y in 0..SIDE {
-                let home = world.block(CORNER.0 + x, CORNER.1 + y);
+                let at = block_at((x, y));
+                let home = world.block(at.0, at.1);
                 home.heights(|i, j| {
                     let (i, j) = (usize::from(x) * 8 + i, usize::from(y) * 8 + j);
                     ((i * usize::from(a) + j * usize::from(b)) % 5) as u8
@@ -266,7 +275,8 @@ impl Land {
             }
         }
         for &(x, y) in &self.dungeons {
-            let home = world.block(CORNER.0 + x, CORNER.1 + y);
+            let at = block_at((x, y));
+            let home = world.block(at.0, at.1);
             let at = |y: f32| StoredFrame::at(Vec3::new(96.0, y, -50.0));
             let south = home.room(rooms, 0, at(96.0), 1);
             let north = home.room(rooms, 1, at(104.0), 1);
@@ -281,7 +291,8 @@ impl Land {
             } else {
                 model
             };
-            let home = world.block(CORNER.0 + spot.block.0, CORNER.1 + spot.block.1);
+            let at = block_at(spot.block);
+            let home = world.block(at.0, at.1);
             home.object(model, Vec3::new(spot.at.0, spot.at.1, 4.0), degrees);
         }
         Arc::new(world.surround().build().expect("the world is well formed"))
@@ -290,10 +301,8 @@ impl Land {
 
 impl Spot {
     fn position(self, height: f32) -> PositionSpec {
-        let (x, y) = (
-            u32::from(CORNER.0 + self.block.0),
-            u32::from(CORNER.1 + self.block.1),
-        );
+        let (x, y) = block_at(self.block);
+        let (x, y) = (u32::from(x), u32::from(y));
         let low = (self.at.0 / 24.0) as u32 * 8 + (self.at.1 / 24.0) as u32 + 1;
         PositionSpec {
             cell: x << 24 | y << 16 | low,
@@ -378,7 +387,7 @@ impl Drawn {
             .collect();
         script.sort_by_key(|step| step.frame);
         let frames = self.frames.iter().map(|&(dt, count)| FrameRun {
-            dt: [0.04, 0.02, 0.1, 0.25, 0.5][usize::from(dt)],
+            dt: [0.04, 0.02, 0.1, 0.25, 0.5, 0.0, 0.0001, 2.5][usize::from(dt)],
             count: u32::from(count),
         });
         Scene {

@@ -8,6 +8,7 @@ use super::index::{WorldIndex, cell_of, member_of};
 use super::{Part, Plan};
 use crate::animation::is_executed;
 use crate::dat::HookAction;
+use crate::entity::Entity;
 use crate::math::{CellId, Frame, Vec3};
 use crate::physics::body::{EntityId, StaticId};
 use crate::physics::state::PhysicsState;
@@ -38,6 +39,8 @@ struct LatentObject {
     place: LatentPlace,
     /// When it should have been created.
     time: usize,
+    /// The first handle of those that should have been created after it.
+    after: EntityId,
     maker: Arc<dyn Latent>,
 }
 
@@ -73,6 +76,10 @@ pub struct ActivePlan {
     latent: Vec<Option<LatentObject>>,
     latent_in: BTreeMap<u16, Vec<usize>>,
     born: Vec<(u32, EntityId)>,
+    /// Those that were created late.
+    late: BTreeSet<EntityId>,
+    /// GUID of the entity after all that are created late, whose tick leaves the simulation clock as if they had been there.
+    anchor: Option<u32>,
     pub(super) idle: super::idle::IdleTable,
     /// How often the plan was extended.
     pub extended: Extended,
@@ -95,9 +102,18 @@ impl ActivePlan {
             latent: Vec::new(),
             latent_in: BTreeMap::new(),
             born: Vec::new(),
+            late: BTreeSet::new(),
+            anchor: None,
             idle,
             extended: Extended::default(),
         }
+    }
+
+    /// The same with the entity behind all those whose creation may be put off: the simulation clock stands where its tick leaves it. If it
+    /// ever has no tick, nothing is put off any more.
+    #[must_use]
+    pub fn with_anchor(self, anchor: Option<u32>) -> Self {
+        Self { anchor, ..self }
     }
 
     /// What is left out.
@@ -175,10 +191,11 @@ impl World {
         }
     }
 
-    /// Whether the entities are being advanced.
+    /// The entities are about to be advanced, or have been.
     pub(crate) fn set_in_tick(&mut self, in_tick: bool) {
         if let Some(plan) = &mut self.plan {
             plan.in_tick = in_tick;
+            self.end_tail(!in_tick);
         }
     }
 
@@ -188,6 +205,7 @@ impl World {
         let Some(plan) = &mut self.plan else { return };
         plan.times.push(now);
         let guid = plan.load_point;
+        self.check_anchor();
         let place = guid
             .and_then(|guid| self.entity_of_guid(guid))
             .and_then(|id| self.entity(id))
@@ -344,7 +362,13 @@ impl World {
             plan.latent_in.entry(block).or_default().push(number);
         }
         let time = plan.now();
-        plan.latent.push(Some(LatentObject { place, time, maker }));
+        let after = self.entities.next_id();
+        plan.latent.push(Some(LatentObject {
+            place,
+            time,
+            after,
+            maker,
+        }));
         true
     }
 
@@ -369,6 +393,23 @@ impl World {
         }
     }
 
+    /// Creates all that was put off if the entity that keeps the simulation clock for them is going to have no tick in this frame.
+    fn check_anchor(&mut self) {
+        let Some(plan) = &self.plan else { return };
+        if plan.latent_in.is_empty() {
+            return;
+        }
+        let anchor = plan.anchor.and_then(|guid| self.entity_of_guid(guid));
+        if anchor
+            .and_then(|id| self.entity(id))
+            .is_some_and(Entity::keeps_clock)
+        {
+            return;
+        }
+        let blocks: Vec<u16> = plan.latent_in.keys().copied().collect();
+        self.create_latent(blocks.into_iter());
+    }
+
     fn create_late(&mut self, object: &LatentObject) {
         let Some(plan) = &mut self.plan else { return };
         let created = plan.times.get(object.time).copied().unwrap_or_default();
@@ -389,8 +430,10 @@ impl World {
             let through = through.max(object.time);
             plan.extended.frames_put_off += (through - object.time) as u64;
             plan.idle.sleep(id, object.time, through);
-            // The last of the table leaves the simulation clock where it is: that is still the one it would have been.
-            self.entities.move_to_front(id);
+            plan.late.insert(id);
+            let (late, after) = (&plan.late, object.after);
+            self.entities
+                .move_before(id, |other| other >= after && !late.contains(&other));
             self.catch_up(id);
         }
         self.clock = clock;

@@ -73,6 +73,11 @@ pub struct SceneOutline {
 }
 
 impl SceneOutline {
+    /// The last entity that no step names: it is always created in its turn, and all whose creation can wait come before it.
+    pub fn anchor(&self) -> Option<u32> {
+        self.entities.iter().rfind(|e| !e.acts).map(|e| e.guid)
+    }
+
     fn load_point_entity(&self) -> Option<&EntityOutline> {
         let guid = self.load_point?;
         self.entities.iter().find(|e| e.guid == guid)
@@ -317,12 +322,7 @@ impl Planner<'_> {
             // T-14, T-25: a placement leaves something behind that the next transition of anybody finds.
             return;
         }
-        let last = self
-            .scene
-            .entities
-            .iter()
-            .rfind(|e| !e.acts)
-            .map(|e| e.guid);
+        let last = self.scene.anchor();
         let scene = self.scene;
         let ids: Vec<u32> = scene
             .entities

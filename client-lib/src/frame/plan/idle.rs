@@ -12,7 +12,7 @@ use crate::dat::HookAction;
 use crate::entity::Entity;
 use crate::frame::NoProbe;
 use crate::frame::state::Outcome;
-use crate::math::Vec3;
+use crate::math::{EPSILON, Vec3};
 use crate::physics::body::EntityId;
 use crate::physics::state::{PhysicsState, TransientState};
 use crate::profile::Profile;
@@ -34,6 +34,8 @@ pub(super) struct IdleTable {
     allowed: Vec<u32>,
     /// By handle.
     asleep: Vec<Option<Asleep>>,
+    /// The last whose tick was put off in this frame, unless another tick has set the simulation clock since.
+    tail: Option<EntityId>,
 }
 
 impl IdleTable {
@@ -41,6 +43,7 @@ impl IdleTable {
         Self {
             allowed: allowed.to_vec(),
             asleep: Vec::new(),
+            tail: None,
         }
     }
 
@@ -92,24 +95,53 @@ impl Stance {
 }
 
 impl World {
-    /// Whether the tick of an entity in this frame is put off. The last of the table never is: the simulation clock is left where its tick
-    /// leaves it.
+    /// Whether the tick of an entity in this frame is put off.
     #[inline]
     pub(crate) fn is_put_off(&mut self, id: EntityId) -> bool {
         let Some(plan) = &mut self.plan else {
             return false;
         };
-        let now = plan.now() as u32;
+        let now = plan.now();
         let Some(asleep) = plan.idle.get_mut(id) else {
             return false;
         };
-        if self.entities.table().last() == Some(&id) {
+        let gap = plan.times[now] - plan.times[now.saturating_sub(1)];
+        if gap < f64::from(EPSILON) {
+            // Whether the tick touches the simulation clock depends on the object's own.
             self.catch_up(id);
             return false;
         }
-        asleep.through = now;
+        asleep.through = now as u32;
+        plan.idle.tail = Some(id);
         plan.extended.frames_put_off += 1;
         true
+    }
+
+    /// An entity's tick sets the simulation clock: whatever those before it would have left there is gone.
+    pub(crate) fn note_tick(&mut self, entity: &Entity) {
+        let (now, profile) = (self.clock.now, &self.profile);
+        let tiny = profile.tiny_gap_dropped && now - entity.kin.update_time < f64::from(EPSILON);
+        let sets = entity.keeps_clock() && !tiny;
+        if let Some(plan) = self.plan.as_mut().filter(|_| sets) {
+            plan.idle.tail = None;
+        }
+    }
+
+    /// As [`World::note_tick`], for an object at rest.
+    pub(crate) fn note_rest(&mut self, clock: f64) {
+        let tiny = self.profile.tiny_gap_dropped && self.clock.now - clock < f64::from(EPSILON);
+        if let Some(plan) = self.plan.as_mut().filter(|_| !tiny) {
+            plan.idle.tail = None;
+        }
+    }
+
+    /// If the last tick of the frame was put off, it is played: the simulation clock stays where it leaves it.
+    pub(super) fn end_tail(&mut self, play: bool) {
+        let Some(plan) = &mut self.plan else { return };
+        let tail = plan.idle.tail.take();
+        if let Some(sim_time) = tail.filter(|_| play).and_then(|id| self.play_missed(id)) {
+            self.clock.sim_time = sim_time;
+        }
     }
 
     /// How an entity stands before its tick, if its ticks may be put off.
@@ -135,25 +167,36 @@ impl World {
 
     /// Plays the frames that an entity has missed. Nothing happens if it has not missed any.
     pub fn catch_up(&mut self, id: EntityId) {
-        let Some(plan) = &mut self.plan else { return };
-        let Some(Asleep { since, through }) = plan.idle.take(id) else {
-            return;
-        };
+        self.play_missed(id);
+    }
+
+    /// As [`World::catch_up`]; answers where the last of the frames left the simulation clock, s. The clocks of the world stay.
+    fn play_missed(&mut self, id: EntityId) -> Option<f64> {
+        let plan = self.plan.as_mut()?;
+        let Asleep { since, through } = plan.idle.take(id)?;
         plan.extended.awakenings += 1;
         let missed = u64::from(through.saturating_sub(since));
         plan.extended.frames_put_off = plan.extended.frames_put_off.saturating_sub(missed);
-        let clock = self.clock;
+        let (clock, tail) = (self.clock, plan.idle.tail);
         for time in since + 1..=through {
-            let Some(&now) = self.plan.as_ref().and_then(|p| p.times.get(time as usize)) else {
-                break;
-            };
-            self.clock.now = now;
+            let now = self.plan.as_ref().and_then(|p| p.times.get(time as usize));
+            self.clock.now = now.copied().unwrap_or(clock.now);
             if let Some(entity) = self.entities.get_mut(id) {
                 entity.begin_frame();
             }
             self.advance(id, &mut NoProbe);
         }
+        let left = self.clock.sim_time;
         self.clock = clock;
+        let plan = self.plan.as_mut()?;
+        plan.idle.tail = tail;
+        // It stands as idly as before, but somebody has it in hand.
+        plan.idle.take(id);
+        let host_skipped_it = plan.now() as u32 != through;
+        if host_skipped_it && let Some(entity) = self.entities.get_mut(id) {
+            entity.begin_frame();
+        }
+        (missed > 0).then_some(left)
     }
 
     /// Brings every entity up to date: for those who want to look at all of the world between two frames.
@@ -166,6 +209,13 @@ impl World {
 }
 
 impl Entity {
+    /// Whether the object's ticks set the simulation clock (`spec/06-physics-object.md`, B3, step 1).
+    pub(super) fn keeps_clock(&self) -> bool {
+        self.body.parent.is_none()
+            && self.body.cell.is_some()
+            && !self.body.state.contains(PhysicsState::FROZEN)
+    }
+
     /// Whether a tick changed nothing that others can see, and no later tick will, until somebody takes hold of the object.
     fn stands_idle(&self, before: Stance, profile: &Profile) -> bool {
         let after = Stance::of(self);

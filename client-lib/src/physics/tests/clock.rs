@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::frame::{Host, Pacing};
 use crate::physics::state::{PhysicsState, TransientState};
 
 /// Quanta of one call, and the gap that is left, for an active object without spheres whose clock stands at 0.
@@ -166,6 +167,61 @@ fn a_static_word_on_a_moving_object() {
         e.set_active(false, w);
         assert!(!e.set_active(true, w));
     });
+}
+
+/// B1: the gate of the live client: shorter frames than 1/30 s do nothing and add up, a clock that runs backwards begins anew, and the player's
+/// callback comes once per tick, after the player was advanced and before the next object.
+#[test]
+fn the_engine_gate_lets_time_add_up() {
+    #[derive(Default)]
+    struct Camera {
+        ticks: u32,
+        saw: Vec<usize>,
+        created: Option<EntityId>,
+    }
+    impl Host for Camera {
+        fn player_updated(&mut self, world: &mut World) {
+            self.ticks += 1;
+            self.saw = world.entities.iter().map(|e| e.steps.len()).collect();
+            // Created in the middle of a tick: first visited in the next one.
+            let created = *self
+                .created
+                .get_or_insert_with(|| walker(world, at(50.0, 30.0, 5.0)));
+            let steps = &world.entity(created).expect("there").steps;
+            self.saw.push(steps.len());
+        }
+    }
+    let mut world = world_of(Profile {
+        distance_culling: false,
+        ..Profile::retail()
+    });
+    let ids = [30.0, 36.0, 42.0].map(|x| walker(&mut world, at(x, 30.0, 5.0)));
+    world.local_player = Some(ids[1]);
+    let (mut camera, mut pipeline) = (Camera::default(), Pipeline::new(Pacing::EngineGate));
+    let mut run = |now: f64| {
+        pipeline.run_frame(&mut world, now, &mut camera);
+        (camera.ticks, camera.saw.clone())
+    };
+    assert_eq!(
+        run(100.05),
+        (1, vec![1, 1, 0, 0]),
+        "in order of registration"
+    );
+    assert_eq!(run(100.07).0, 1);
+    assert_eq!(
+        run(100.09),
+        (2, vec![2, 2, 1, 0, 0]),
+        "what was created is last"
+    );
+    assert_eq!(run(60.0).0, 2, "backwards: the gate begins anew");
+    assert_eq!(run(60.02).0, 2);
+    assert_eq!(
+        run(60.05).0,
+        3,
+        "a tick, in which no object's time has come"
+    );
+    assert_eq!(run(100.3).0, 4);
+    assert_eq!(run(f64::NAN).0, 4);
 }
 
 /// H2, frame pacing: counting up by 1/30 executes a step of 2/30 every second frame; at 60 Hz every third, hardly ever the second.

@@ -3,8 +3,14 @@
 use std::sync::Arc;
 
 use ac_client::{
-    animation::{AnimHookQueue, AnimationError, AnimationSource, MotionRequest, MotionTableError, MotionTableManager, Sequence},
-    dat::{AnimFrame, AnimRange, Animation, AnimationHook, HookAction, HookDirection, MotionBits, MotionData, MotionTable, Setup, StoredFrame},
+    animation::{
+        AnimHookQueue, AnimationError, AnimationSource, MotionRequest, MotionTableError,
+        MotionTableManager, Sequence,
+    },
+    dat::{
+        AnimFrame, AnimRange, Animation, AnimationHook, HookAction, HookDirection, MotionBits,
+        MotionData, MotionTable, Setup, StoredFrame,
+    },
     math::{EPSILON, Frame, Vec3},
     physics::collision::GfxShape,
 };
@@ -89,8 +95,14 @@ struct Puppet {
 fn animation(id: u32, frames: u32, root: Option<Vec3>) -> Arc<Animation> {
     let mut animation = Animation::new(id, 0);
     for frame in 0..frames {
-        let hook = AnimationHook { direction: HookDirection(0), action: HookAction::Sound { wave: frame } };
-        let pose = AnimFrame { parts: Vec::new(), hooks: vec![hook] };
+        let hook = AnimationHook {
+            direction: HookDirection(0),
+            action: HookAction::Sound { wave: frame },
+        };
+        let pose = AnimFrame {
+            parts: Vec::new(),
+            hooks: vec![hook],
+        };
         animation.push(pose, root.map(StoredFrame::at));
     }
     Arc::new(animation)
@@ -99,7 +111,10 @@ fn animation(id: u32, frames: u32, root: Option<Vec3>) -> Arc<Animation> {
 impl Puppet {
     fn new(animations: Vec<Arc<Animation>>) -> Self {
         Self {
-            shelf: Shelf { animations, table: None },
+            shelf: Shelf {
+                animations,
+                table: None,
+            },
             sequence: Sequence::new(),
             manager: MotionTableManager::default(),
             hooks: AnimHookQueue::new(),
@@ -110,7 +125,9 @@ impl Puppet {
         let mut puppet = Self::new(vec![animation(A, 4, None), animation(B, 6, None)]);
         puppet.shelf.table = Some(Arc::new(table));
         puppet.manager = MotionTableManager::new(TABLE, &mut puppet.shelf, &t.profile);
-        puppet.manager.initialize_state(&mut puppet.sequence, &mut puppet.shelf, &t.profile);
+        puppet
+            .manager
+            .initialize_state(&mut puppet.sequence, &mut puppet.shelf, &t.profile);
         puppet
     }
 
@@ -120,25 +137,45 @@ impl Puppet {
         puppet
     }
 
-    fn append(&mut self, animation: u32, low_frame: i32, high_frame: i32, framerate: f32, t: &Trial) {
-        let range = AnimRange { animation, low_frame, high_frame, framerate };
-        self.sequence.append_animation(&range, &mut self.shelf, &t.profile);
+    fn append(
+        &mut self,
+        animation: u32,
+        low_frame: i32,
+        high_frame: i32,
+        framerate: f32,
+        t: &Trial,
+    ) {
+        let range = AnimRange {
+            animation,
+            low_frame,
+            high_frame,
+            framerate,
+        };
+        self.sequence
+            .append_animation(&range, &mut self.shelf, &t.profile);
     }
 
     fn update(&mut self, seconds: f64, t: &Trial) -> Result<Frame, AnimationError> {
         let mut offset = Frame::IDENTITY;
-        self.sequence.update(seconds, Some(&mut offset), &mut self.hooks, &t.profile)?;
+        self.sequence
+            .update(seconds, Some(&mut offset), &mut self.hooks, &t.profile)?;
         Ok(offset)
     }
 
     fn play(&mut self, motion: u32, speed: f32, t: &Trial) -> Result<(), MotionTableError> {
-        self.manager.perform(MotionRequest::Do { motion, speed }, &mut self.sequence, &mut self.shelf, &t.profile)
+        self.manager.perform(
+            MotionRequest::Do { motion, speed },
+            &mut self.sequence,
+            &mut self.shelf,
+            &t.profile,
+        )
     }
 
     /// The frame number is inside the animation that plays.
     fn inside(&self) -> bool {
         self.sequence.current_node().is_none_or(|node| {
-            (f64::from(node.low)..=f64::from(node.high) + 1.0).contains(&self.sequence.frame_number())
+            (f64::from(node.low)..=f64::from(node.high) + 1.0)
+                .contains(&self.sequence.frame_number())
         })
     }
 }
@@ -148,11 +185,18 @@ fn table() -> MotionTable {
     MotionTable::new(TABLE, STYLE)
         .with_style(STYLE, READY)
         .with_cycle(STYLE, READY, MotionData::playing(A, 0, -1, 10.0))
-        .with_cycle(STYLE, RUN, MotionData::playing(B, 0, -1, 30.0).with_velocity(Vec3::Y))
+        .with_cycle(
+            STYLE,
+            RUN,
+            MotionData::playing(B, 0, -1, 30.0).with_velocity(Vec3::Y),
+        )
         .with_link(STYLE, READY, RUN, MotionData::playing(A, 0, 2, 30.0))
         .with_link(STYLE, RUN, READY, MotionData::playing(A, 0, 2, 30.0))
         .with_link(STYLE, READY, WAVE, MotionData::playing(B, 0, -1, 30.0))
-        .with_modifier(TURN, MotionData::playing(A, 0, -1, 10.0).with_omega(Vec3::Z))
+        .with_modifier(
+            TURN,
+            MotionData::playing(A, 0, -1, 10.0).with_omega(Vec3::Z),
+        )
 }
 
 fn hair_below(t: &mut Trial) {
@@ -167,7 +211,9 @@ fn hair_below(t: &mut Trial) {
         for _ in 1..rate as u32 {
             let _ = puppet.update(dt, t);
         }
-        t.promise(puppet.inside(), || format!("frame {}", puppet.sequence.frame_number()));
+        t.promise(puppet.inside(), || {
+            format!("frame {}", puppet.sequence.frame_number())
+        });
     }
 }
 
@@ -186,7 +232,9 @@ fn long_reverse(t: &mut Trial) {
         t.same("the hair is lost", beyond, starts_beyond);
         for _ in 0..50 {
             let done = puppet.update(0.1, t);
-            t.promise(done.is_ok() && puppet.inside(), || format!("{done:?} at {}", puppet.sequence.frame_number()));
+            t.promise(done.is_ok() && puppet.inside(), || {
+                format!("{done:?} at {}", puppet.sequence.frame_number())
+            });
         }
     }
 }
@@ -195,7 +243,9 @@ fn tiny_quantum(t: &mut Trial) {
     let mut puppet = Puppet::playing(4, 30.0, t);
     for seconds in [0.0, f64::MIN_POSITIVE, 1e-9, 1e-4] {
         let done = puppet.update(seconds, t);
-        t.promise(done.is_ok() && puppet.inside(), || format!("{seconds}: {done:?}"));
+        t.promise(done.is_ok() && puppet.inside(), || {
+            format!("{seconds}: {done:?}")
+        });
     }
     let mut standing = Puppet::playing(4, 0.0, t);
     standing.sequence.velocity = Vec3::X;
@@ -207,18 +257,29 @@ fn small_omega(t: &mut Trial) {
     let mut puppet = Puppet::playing(4, 10.0, t);
     puppet.sequence.omega = Vec3::new(0.0, 0.0, EPSILON * 9.0);
     let offset = puppet.update(0.15, t).unwrap_or_default();
-    t.same("turn of a small omega", offset.rotation(), Frame::IDENTITY.rotation());
+    t.same(
+        "turn of a small omega",
+        offset.rotation(),
+        Frame::IDENTITY.rotation(),
+    );
     puppet.sequence.omega = Vec3::new(0.0, 0.0, EPSILON * 11.0);
     let offset = puppet.update(0.1, t).unwrap_or_default();
-    t.promise(offset.rotation() != Frame::IDENTITY.rotation(), || "a larger one is lost too".into());
+    t.promise(offset.rotation() != Frame::IDENTITY.rotation(), || {
+        "a larger one is lost too".into()
+    });
 }
 
 fn huge_quantum(t: &mut Trial) {
     for seconds in [1.0, 10.0, 1000.0] {
         let mut puppet = Puppet::playing(4, 30.0, t);
         let done = puppet.update(seconds, t);
-        t.promise(done.is_ok() || matches!(done, Err(AnimationError::TooManyHooks { .. })), || format!("{seconds} s: {done:?}"));
-        t.promise(puppet.inside(), || format!("frame {}", puppet.sequence.frame_number()));
+        t.promise(
+            done.is_ok() || matches!(done, Err(AnimationError::TooManyHooks { .. })),
+            || format!("{seconds} s: {done:?}"),
+        );
+        t.promise(puppet.inside(), || {
+            format!("frame {}", puppet.sequence.frame_number())
+        });
     }
 }
 
@@ -239,20 +300,34 @@ fn one_frame(t: &mut Trial) {
         let mut puppet = Puppet::playing(1, rate, t);
         for _ in 0..20 {
             let done = puppet.update(0.1, t);
-            t.promise(done.is_ok() && puppet.inside(), || format!("rate {rate}: {done:?}"));
+            t.promise(done.is_ok() && puppet.inside(), || {
+                format!("rate {rate}: {done:?}")
+            });
             puppet.hooks = AnimHookQueue::new();
         }
     }
 }
 
 fn swapped_bounds(t: &mut Trial) {
-    for (low, high) in [(3, 1), (-5, 2), (9, 9), (0, 99), (i32::MAX, 0), (i32::MIN, i32::MIN)] {
+    for (low, high) in [
+        (3, 1),
+        (-5, 2),
+        (9, 9),
+        (0, 99),
+        (i32::MAX, 0),
+        (i32::MIN, i32::MIN),
+    ] {
         for rate in [10.0, -10.0] {
             let mut puppet = Puppet::new(vec![animation(A, 4, None)]);
             puppet.append(A, low, high, rate, t);
             for _ in 0..30 {
                 let done = puppet.update(0.1, t);
-                t.promise(done.is_ok() && puppet.inside(), || format!("{low}..{high}: {done:?} at {}", puppet.sequence.frame_number()));
+                t.promise(done.is_ok() && puppet.inside(), || {
+                    format!(
+                        "{low}..{high}: {done:?} at {}",
+                        puppet.sequence.frame_number()
+                    )
+                });
             }
         }
     }
@@ -262,14 +337,18 @@ fn swapped_bounds(t: &mut Trial) {
         let done = puppet.update(0.1, t);
         // The bounds are the wrong way round: the guard of 8.10 ends it.
         let guarded = matches!(done, Err(AnimationError::Endless { .. }));
-        t.promise(guarded || puppet.inside(), || format!("reversed: {done:?} at {}", puppet.sequence.frame_number()));
+        t.promise(guarded || puppet.inside(), || {
+            format!("reversed: {done:?} at {}", puppet.sequence.frame_number())
+        });
     }
 }
 
 fn with_speed(t: &mut Trial, speed: f32) -> Puppet {
     let mut puppet = Puppet::with_table(table(), t);
     let answer = puppet.play(RUN, speed, t);
-    t.promise(answer.is_ok(), || format!("run with speed {speed}: {answer:?}"));
+    t.promise(answer.is_ok(), || {
+        format!("run with speed {speed}: {answer:?}")
+    });
     for _ in 0..40 {
         let done = puppet.update(0.04, t);
         t.promise(done.is_ok(), || format!("speed {speed}: {done:?}"));
@@ -284,12 +363,16 @@ fn speed_zero(t: &mut Trial) {
     let answer = puppet.play(RUN, 1.5, t);
     t.promise(answer.is_ok(), || format!("{answer:?}"));
     let _ = puppet.update(1.0, t);
-    t.promise(puppet.inside(), || format!("frame {}", puppet.sequence.frame_number()));
+    t.promise(puppet.inside(), || {
+        format!("frame {}", puppet.sequence.frame_number())
+    });
 }
 
 fn speed_negative_zero(t: &mut Trial) {
     let puppet = with_speed(t, -0.0);
-    t.promise(!puppet.sequence.plays_cycle() && puppet.inside(), || "−0 is not positive".into());
+    t.promise(!puppet.sequence.plays_cycle() && puppet.inside(), || {
+        "−0 is not positive".into()
+    });
 }
 
 fn speed_nan(t: &mut Trial) {
@@ -299,11 +382,19 @@ fn speed_nan(t: &mut Trial) {
         // Whatever it answers: it answers.
         let _ = puppet.update(0.04, t);
     }
-    t.promise(puppet.play(READY, 1.0, t).is_ok(), || "it cannot be stopped".into());
+    t.promise(puppet.play(READY, 1.0, t).is_ok(), || {
+        "it cannot be stopped".into()
+    });
 }
 
 fn no_animations(t: &mut Trial) {
-    let table = table().with_link(STYLE, RUN, WAVE, MotionData::default()).with_cycle(STYLE, 0x4400_0009, MotionData::default().with_velocity(Vec3::X));
+    let table = table()
+        .with_link(STYLE, RUN, WAVE, MotionData::default())
+        .with_cycle(
+            STYLE,
+            0x4400_0009,
+            MotionData::default().with_velocity(Vec3::X),
+        );
     let mut puppet = Puppet::with_table(table, t);
     let answer = puppet.play(0x4400_0009, 1.0, t);
     t.promise(answer.is_ok(), || format!("{answer:?}"));
@@ -315,14 +406,27 @@ fn no_animations(t: &mut Trial) {
 }
 
 fn missing_animation(t: &mut Trial) {
-    let table = table().with_link(STYLE, READY, 0x4400_0009, MotionData::playing(0x0300_0099, 0, -1, 30.0)).with_cycle(STYLE, 0x4400_0009, MotionData::playing(0x0300_0098, 0, -1, 30.0));
+    let table = table()
+        .with_link(
+            STYLE,
+            READY,
+            0x4400_0009,
+            MotionData::playing(0x0300_0099, 0, -1, 30.0),
+        )
+        .with_cycle(
+            STYLE,
+            0x4400_0009,
+            MotionData::playing(0x0300_0098, 0, -1, 30.0),
+        );
     let mut puppet = Puppet::with_table(table, t);
     let _ = puppet.play(0x4400_0009, 1.0, t);
     for _ in 0..20 {
         let done = puppet.update(0.05, t);
         t.promise(done.is_ok() && puppet.inside(), || format!("{done:?}"));
     }
-    t.promise(puppet.play(READY, 1.0, t).is_ok(), || "it cannot go back".into());
+    t.promise(puppet.play(READY, 1.0, t).is_ok(), || {
+        "it cannot go back".into()
+    });
 }
 
 fn several_done(t: &mut Trial) {
@@ -339,7 +443,10 @@ fn several_done(t: &mut Trial) {
 fn endless_table(t: &mut Trial) {
     // Two cycles that are modifiers, without the bit that ends it.
     let turning = || MotionData::playing(A, 0, -1, 10.0).with_omega(Vec3::Z);
-    let table = table().with_cycle(STYLE, TURN, turning()).with_cycle(STYLE, SIDE, turning()).with_modifier(SIDE, turning());
+    let table = table()
+        .with_cycle(STYLE, TURN, turning())
+        .with_cycle(STYLE, SIDE, turning())
+        .with_modifier(SIDE, turning());
     let mut puppet = Puppet::with_table(table, t);
     let mut refused = 0;
     for motion in [TURN, SIDE, RUN, TURN, SIDE, READY, SIDE, TURN] {
@@ -361,22 +468,31 @@ fn clearing_cycle(t: &mut Trial) {
 }
 
 fn default_style(t: &mut Trial) {
-    let table = table().with_style(OTHER, READY).with_cycle(OTHER, READY, MotionData::playing(A, 0, -1, 10.0)).with_link(STYLE, READY, OTHER, MotionData::playing(A, 0, 1, 30.0));
+    let table = table()
+        .with_style(OTHER, READY)
+        .with_cycle(OTHER, READY, MotionData::playing(A, 0, -1, 10.0))
+        .with_link(STYLE, READY, OTHER, MotionData::playing(A, 0, 1, 30.0));
     let mut puppet = Puppet::with_table(table, t);
     let _ = puppet.play(OTHER, 1.0, t);
     // The other style has no run of its own: the default style's is taken.
     let run = puppet.play(RUN, 1.0, t);
     let wave = puppet.play(WAVE, 1.0, t);
     t.promise(run.is_ok(), || format!("run: {run:?}"));
-    t.promise(wave.is_err(), || "an action of the default style is played".into());
+    t.promise(wave.is_err(), || {
+        "an action of the default style is played".into()
+    });
 }
 
 fn no_default(t: &mut Trial) {
     let table = table().with_cycle(OTHER, RUN, MotionData::playing(B, 0, -1, 30.0));
     let mut puppet = Puppet::with_table(table, t);
     let answer = puppet.play(OTHER, 1.0, t);
-    t.promise(answer.is_err(), || "a style without default is entered".into());
-    t.promise(puppet.update(0.1, t).is_ok() && puppet.inside(), || "it cannot go on".into());
+    t.promise(answer.is_err(), || {
+        "a style without default is entered".into()
+    });
+    t.promise(puppet.update(0.1, t).is_ok() && puppet.inside(), || {
+        "it cannot go on".into()
+    });
 }
 
 fn action_in_link(t: &mut Trial) {
@@ -386,7 +502,9 @@ fn action_in_link(t: &mut Trial) {
     let answer = puppet.play(WAVE, 1.0, t);
     for _ in 0..60 {
         let done = puppet.update(0.04, t);
-        t.promise(done.is_ok() && puppet.inside(), || format!("{answer:?}, {done:?}"));
+        t.promise(done.is_ok() && puppet.inside(), || {
+            format!("{answer:?}, {done:?}")
+        });
     }
     t.promise(puppet.sequence.plays_cycle(), || "no cycle after it".into());
 }
@@ -397,7 +515,11 @@ fn same_substate(t: &mut Trial) {
     let link = puppet.sequence.current_node().map(|node| node.rate);
     let answer = puppet.play(RUN, 2.0, t);
     t.promise(answer.is_ok(), || format!("{answer:?}"));
-    t.same("rate of the link", puppet.sequence.current_node().map(|node| node.rate), link);
+    t.same(
+        "rate of the link",
+        puppet.sequence.current_node().map(|node| node.rate),
+        link,
+    );
     let cycle = puppet.sequence.nodes().last().map(|node| node.rate);
     t.same("rate of the cycle", cycle, Some(60.0));
 }
@@ -405,9 +527,14 @@ fn same_substate(t: &mut Trial) {
 fn too_many_parts(t: &mut Trial) {
     let Some(play) = play(t) else { return };
     // The walker has one part; its animation has poses of one. A crate with the walker's table has a part for none of them.
-    let run = t.scene(&stage(play, 60).entity(play.ghost, spots::OPEN, |spec| {
-        spec.motion_table = play.table;
-        spec.kind = ac_golden_traces::scene::EntityKind::Creature;
-    }).at(3, 0, motion(WALK, 1.0)).at(30, 0, Action::StopCompletely));
+    let run = t.scene(
+        &stage(play, 60)
+            .entity(play.ghost, spots::OPEN, |spec| {
+                spec.motion_table = play.table;
+                spec.kind = ac_golden_traces::scene::EntityKind::Creature;
+            })
+            .at(3, 0, motion(WALK, 1.0))
+            .at(30, 0, Action::StopCompletely),
+    );
     t.same("frames", run.frames(), 60);
 }

@@ -91,9 +91,16 @@ fn border_point(t: &mut Trial) {
     let (ids, current) = map.cells(home | 0x13, &[(Vec3::new(60.0, 24.0, 0.3), 0.3)]);
     t.promise(ids.len() >= 2, || format!("cells on a border: {ids:X?}"));
     let listed = current.is_some_and(|cell| ids.contains(&cell.0));
-    t.promise(listed, || format!("current {current:?} is not among {ids:X?}"));
+    t.promise(listed, || {
+        format!("current {current:?} is not among {ids:X?}")
+    });
     // Along the border, and along a diagonal.
-    let stage = |heading| Stage::new(map.play).frames(DT, 150).walker(map.play, [48.0, 96.0, 0.0], heading).walks(3);
+    let stage = |heading| {
+        Stage::new(map.play)
+            .frames(DT, 150)
+            .walker(map.play, [48.0, 96.0, 0.0], heading)
+            .walks(3)
+    };
     for heading in [0.0, 45.0, 90.0] {
         t.scene(&stage(heading));
     }
@@ -116,7 +123,12 @@ fn four_blocks(t: &mut Trial) {
     blocks.sort_unstable();
     blocks.dedup();
     t.same("landblocks", blocks.len(), 4);
-    t.scene(&Stage::new(map.play).frames(DT, 150).walker(map.play, [3.0, 3.0, 0.0], 225.0).walks(3));
+    t.scene(
+        &Stage::new(map.play)
+            .frames(DT, 150)
+            .walker(map.play, [3.0, 3.0, 0.0], 225.0)
+            .walks(3),
+    );
 }
 
 fn map_edges(t: &mut Trial) {
@@ -127,24 +139,43 @@ fn map_edges(t: &mut Trial) {
     t.same("cells at the north-east corner", ids, vec![0xFEFE_0040]);
     let p = t.profile.clone();
     let outside = |id: u32, x: f32| CellId(id).adjust_to_outside(Vec3::new(x, 5.0, 0.0), &p).0;
-    t.promise(outside(1, -1.0).is_none(), || "there is a cell west of the map".into());
-    t.promise(outside(0xFE20_0001, 192.5).is_none(), || "there is a cell east of the map".into());
-    t.promise(!outside(1, -EPSILON / 2.0).is_none(), || "the snap to 0 fails".into());
+    t.promise(outside(1, -1.0).is_none(), || {
+        "there is a cell west of the map".into()
+    });
+    t.promise(outside(0xFE20_0001, 192.5).is_none(), || {
+        "there is a cell east of the map".into()
+    });
+    t.promise(!outside(1, -EPSILON / 2.0).is_none(), || {
+        "the snap to 0 fails".into()
+    });
 }
 
 fn exact_radius(t: &mut Trial) {
     let Some(mut map) = map(t) else { return };
     let home = map.play.home;
     let (ids, _) = map.cells(home | 0x0A, &[(Vec3::new(36.0, 36.0, 0.5), 12.0)]);
-    t.same("cells with a radius that just reaches the border", ids.len(), 1);
-    let (ids, _) = map.cells(home | 0x0A, &[(Vec3::new(36.0, 36.0, 0.5), 12.0_f32.next_up() + 1e-5)]);
+    t.same(
+        "cells with a radius that just reaches the border",
+        ids.len(),
+        1,
+    );
+    let (ids, _) = map.cells(
+        home | 0x0A,
+        &[(Vec3::new(36.0, 36.0, 0.5), 12.0_f32.next_up() + 1e-5)],
+    );
     t.promise(ids.len() > 1, || format!("a larger radius: {ids:X?}"));
 }
 
 fn two_blocks(t: &mut Trial) {
     let Some(mut map) = map(t) else { return };
     let home = map.play.home;
-    let (ids, _) = map.cells(home | 1, &[(Vec3::new(0.5, 90.0, 0.5), 0.3), (Vec3::new(-0.5, 90.0, 1.5), 0.3)]);
+    let (ids, _) = map.cells(
+        home | 1,
+        &[
+            (Vec3::new(0.5, 90.0, 0.5), 0.3),
+            (Vec3::new(-0.5, 90.0, 1.5), 0.3),
+        ],
+    );
     let blocks: std::collections::BTreeSet<u32> = ids.iter().map(|id| id >> 16).collect();
     t.same("landblocks", blocks.len(), 2);
 }
@@ -162,14 +193,27 @@ fn exit_portal(t: &mut Trial) {
     t.same("outdoor cells at the back wall", outdoor(&ids), 0);
     // Out and in again.
     let run = t.scene(&inside(map.play, 0, [x, y, 0.0], 180.0).walks(3));
-    t.promise(run.last(0).cell & 0xFFFF < 0x100, || format!("still in {:#X}", run.last(0).cell));
-    let run = t.scene(&Stage::new(map.play).in_block(town).frames(DT, 60).walker(map.play, [x, y - 6.0, 0.0], 0.0).walks(3));
-    t.promise(run.last(0).cell & 0xFFFF >= 0x100, || format!("not inside: {:#X} at {:?}", run.last(0).cell, run.end()));
+    t.promise(run.last(0).cell & 0xFFFF < 0x100, || {
+        format!("still in {:#X}", run.last(0).cell)
+    });
+    let run = t.scene(
+        &Stage::new(map.play)
+            .in_block(town)
+            .frames(DT, 60)
+            .walker(map.play, [x, y - 6.0, 0.0], 0.0)
+            .walks(3),
+    );
+    t.promise(run.last(0).cell & 0xFFFF >= 0x100, || {
+        format!("not inside: {:#X} at {:?}", run.last(0).cell, run.end())
+    });
 }
 
 /// A walker in house number `room`.
 fn inside(play: &Playground, room: u32, origin: [f32; 3], heading: f32) -> Stage {
-    let mut stage = Stage::new(play).in_block(play.town).frames(DT, 100).walker(play, origin, heading);
+    let mut stage = Stage::new(play)
+        .in_block(play.town)
+        .frames(DT, 100)
+        .walker(play, origin, heading);
     stage.scene.entities[0].position = indoors(play.town | (0x100 + room), origin);
     stage.scene.entities[0].position.rotation = compass(heading);
     stage
@@ -182,7 +226,10 @@ fn overlapping_rooms(t: &mut Trial) {
     let (ids, current) = map.cells(cell, &[(Vec3::new(x, y + 3.5, z + 0.5), 0.4)]);
     t.same("rooms touched where both are", ids.len(), 2);
     t.promise(current.is_some(), || "no current cell".into());
-    let mut stage = Stage::new(map.play).in_block(map.play.rooms).frames(DT, 150).walker(map.play, halls::TRICK, 0.0);
+    let mut stage = Stage::new(map.play)
+        .in_block(map.play.rooms)
+        .frames(DT, 150)
+        .walker(map.play, halls::TRICK, 0.0);
     stage.scene.entities[0].position = indoors(cell, halls::TRICK);
     t.scene(&stage.walks(3));
 }
@@ -193,9 +240,11 @@ fn outside_its_room(t: &mut Trial) {
     let (ids, current) = map.cells(cell, &[(Vec3::new(120.0, 150.0, -30.0), 0.3)]);
     t.same("current cell", current, None);
     t.promise(ids.len() <= 1, || format!("cells: {ids:X?}"));
-    let stage = Stage::new(map.play).frames(DT, 60).entity(map.play.ball, [0.0; 3], |spec| {
-        spec.position = indoors(cell, [120.0, 150.0, -30.0]);
-    });
+    let stage = Stage::new(map.play)
+        .frames(DT, 60)
+        .entity(map.play.ball, [0.0; 3], |spec| {
+            spec.position = indoors(cell, [120.0, 150.0, -30.0]);
+        });
     t.scene(&stage);
 }
 
@@ -207,8 +256,20 @@ fn building_next_block(t: &mut Trial) {
     t.promise(east.in_bounds(), || "the town is off the map".into());
     let (ids, _) = map.cells(town | 0x3B, &[(Vec3::new(191.8, y - 3.6, 0.5), 0.5)]);
     t.promise(!ids.is_empty(), || "no cells beside the house".into());
-    t.scene(&Stage::new(map.play).in_block(town + 0x0100_0000).frames(DT, 150).walker(map.play, [4.0, y - 5.0, 0.0], 290.0).walks(3));
-    t.scene(&Stage::new(map.play).in_block(town).frames(DT, 150).walker(map.play, [x, y - 7.0, 0.0], 0.0).walks(3));
+    t.scene(
+        &Stage::new(map.play)
+            .in_block(town + 0x0100_0000)
+            .frames(DT, 150)
+            .walker(map.play, [4.0, y - 5.0, 0.0], 290.0)
+            .walks(3),
+    );
+    t.scene(
+        &Stage::new(map.play)
+            .in_block(town)
+            .frames(DT, 150)
+            .walker(map.play, [x, y - 7.0, 0.0], 0.0)
+            .walks(3),
+    );
 }
 
 fn closed_room(t: &mut Trial) {
@@ -222,11 +283,14 @@ fn closed_room(t: &mut Trial) {
     for (vx, vy) in [(49.0, 3.0), (-30.0, 38.0), (1.0, -49.0)] {
         let low = [x - halls::HALF, y - halls::HALF, z - 0.01];
         let high = [x + halls::HALF, y + halls::HALF, z + 4.0];
-        let stage = Stage::new(map.play).frames(DT, 100).closed(low, high).entity(map.play.ball, [0.0; 3], |spec| {
-            spec.position = indoors(cell, [x, y, z + 1.0]);
-            spec.velocity = [vx, vy, 4.0];
-            spec.elasticity = 0.1;
-        });
+        let stage = Stage::new(map.play)
+            .frames(DT, 100)
+            .closed(low, high)
+            .entity(map.play.ball, [0.0; 3], |spec| {
+                spec.position = indoors(cell, [x, y, z + 1.0]);
+                spec.velocity = [vx, vy, 4.0];
+                spec.elasticity = 0.1;
+            });
         t.scene(&stage);
     }
 }
@@ -236,13 +300,17 @@ fn huge_radius(t: &mut Trial) {
     let home = map.play.home;
     for radius in [25.0, 100.0, 300.0, 1e4] {
         let (ids, _) = map.cells(home | 0x25, &[(Vec3::new(110.0, 110.0, 0.5), radius)]);
-        t.promise((9..2000).contains(&ids.len()), || format!("radius {radius}: {} cells", ids.len()));
+        t.promise((9..2000).contains(&ids.len()), || {
+            format!("radius {radius}: {} cells", ids.len())
+        });
     }
     let wide = |scale| {
-        Stage::new(map.play).frames(DT, 40).entity(map.play.crate_, spots::OPEN, |spec| {
-            spec.scale = scale;
-            spec.state = 0x0001_0008;
-        })
+        Stage::new(map.play)
+            .frames(DT, 40)
+            .entity(map.play.crate_, spots::OPEN, |spec| {
+                spec.scale = scale;
+                spec.state = 0x0001_0008;
+            })
     };
     t.scene(&wide(30.0));
 }
@@ -250,7 +318,10 @@ fn huge_radius(t: &mut Trial) {
 fn partly_flooded(t: &mut Trial) {
     let Some(map) = map(t) else { return };
     // The walker's height jumps in the middle of the cell: nothing else may.
-    let stage = Stage::new(map.play).in_block(map.play.shore).frames(DT, 260).walker(map.play, [70.0, 90.0, 0.0], 90.0);
+    let stage = Stage::new(map.play)
+        .in_block(map.play.shore)
+        .frames(DT, 260)
+        .walker(map.play, [70.0, 90.0, 0.0], 90.0);
     let run = t.scene(&stage.walks(3));
     let lowest = run.first().iter().map(|s| s.origin[2]).fold(0.0, f32::min);
     t.promise(lowest < -0.05, || format!("never in the water: {lowest}"));
@@ -260,19 +331,37 @@ fn flooded_block(t: &mut Trial) {
     let Some(mut map) = map(t) else { return };
     let sea = CellId(map.play.shore + 0x0100_0001);
     let _ = map.world.visible_cell(sea);
-    let water = map.world.land.block(sea).map(|block| block.terrain.block_water());
+    let water = map
+        .world
+        .land
+        .block(sea)
+        .map(|block| block.terrain.block_water());
     t.same("water of the block", water, Some(WaterType::Entire));
     // Nobody walks into it; what flies as a missile may.
-    let walker = Stage::new(map.play).in_block(map.play.shore).frames(DT, 200).walker(map.play, [180.0, 90.0, 0.0], 90.0);
+    let walker = Stage::new(map.play)
+        .in_block(map.play.shore)
+        .frames(DT, 200)
+        .walker(map.play, [180.0, 90.0, 0.0], 90.0);
     let run = t.scene(&walker.walks(3));
-    t.promise(run.last(0).cell >> 16 == map.play.shore >> 16, || format!("walked into the sea at {:?}", run.end()));
-    let missile = Stage::new(map.play).in_block(map.play.shore).frames(DT, 40).entity(map.play.ball, [180.0, 90.0, 4.0], |spec| {
-        spec.state = MISSILE;
-        spec.velocity = [25.0, 0.0, 3.0];
+    t.promise(run.last(0).cell >> 16 == map.play.shore >> 16, || {
+        format!("walked into the sea at {:?}", run.end())
     });
-    t.as_retail(Invariant::Depth, "03 19.2.14: water is no floor for missiles");
+    let missile = Stage::new(map.play)
+        .in_block(map.play.shore)
+        .frames(DT, 40)
+        .entity(map.play.ball, [180.0, 90.0, 4.0], |spec| {
+            spec.state = MISSILE;
+            spec.velocity = [25.0, 0.0, 3.0];
+        });
+    t.as_retail(
+        Invariant::Depth,
+        "03 19.2.14: water is no floor for missiles",
+    );
     let run = t.scene(&missile);
-    t.promise(run.first().iter().any(|s| s.cell >> 16 == sea.0 >> 16), || "the missile stays out".into());
+    t.promise(
+        run.first().iter().any(|s| s.cell >> 16 == sea.0 >> 16),
+        || "the missile stays out".into(),
+    );
 }
 
 fn shadow_order(t: &mut Trial) {
@@ -280,46 +369,75 @@ fn shadow_order(t: &mut Trial) {
     // Two crates side by side, walked into in the middle; created in either order.
     let ends: Vec<[f32; 3]> = [1.0_f32, -1.0]
         .map(|side| {
-            let stage = Stage::new(map.play).frames(DT, 120).walker(map.play, [30.0, 100.0, 0.0], 90.0);
+            let stage =
+                Stage::new(map.play)
+                    .frames(DT, 120)
+                    .walker(map.play, [30.0, 100.0, 0.0], 90.0);
             let crates = [side, -side].into_iter().fold(stage, |stage, side| {
-                stage.entity(map.play.crate_, [36.0, 100.0 + side * 1.05, 0.0], |spec| spec.state = 0x0001_0008)
+                stage.entity(map.play.crate_, [36.0, 100.0 + side * 1.05, 0.0], |spec| {
+                    spec.state = 0x0001_0008
+                })
             });
             t.scene(&crates.walks(3)).end()
         })
         .into();
-    t.promise(ends.iter().all(|end| end[0] < 35.5), || format!("through the crates: {ends:?}"));
+    t.promise(ends.iter().all(|end| end[0] < 35.5), || {
+        format!("through the crates: {ends:?}")
+    });
 }
 
 fn loading_order(t: &mut Trial) {
     let Some(map) = map(t) else { return };
     let ids = |reversed: bool, t: &Trial| {
-        let mut world = World::with_source(t.profile.clone(), 0.0, Arc::clone(&map.play.source) as _);
-        let mut rooms: Vec<u32> = (0..halls::ROW_LENGTH).map(|i| map.play.rooms | (halls::ROW_CELL + i)).collect();
+        let mut world =
+            World::with_source(t.profile.clone(), 0.0, Arc::clone(&map.play.source) as _);
+        let mut rooms: Vec<u32> = (0..halls::ROW_LENGTH)
+            .map(|i| map.play.rooms | (halls::ROW_CELL + i))
+            .collect();
         if reversed {
             rooms.reverse();
         }
-        rooms.iter().filter(|id| world.visible_cell(CellId(**id)).is_some()).count()
+        rooms
+            .iter()
+            .filter(|id| world.visible_cell(CellId(**id)).is_some())
+            .count()
     };
     let (forward, backward) = (ids(false, t), ids(true, t));
-    t.same("rooms loaded", (forward, backward), (halls::ROW_LENGTH as usize, halls::ROW_LENGTH as usize));
+    t.same(
+        "rooms loaded",
+        (forward, backward),
+        (halls::ROW_LENGTH as usize, halls::ROW_LENGTH as usize),
+    );
 }
 
 fn below_terrain(t: &mut Trial) {
     let Some(map) = map(t) else { return };
     // The rooms lie 50 m below level ground.
     let [x, y, z] = halls::ROW;
-    let mut stage = Stage::new(map.play).in_block(map.play.rooms).frames(DT, 250).walker(map.play, halls::ROW, 0.0);
+    let mut stage = Stage::new(map.play)
+        .in_block(map.play.rooms)
+        .frames(DT, 250)
+        .walker(map.play, halls::ROW, 0.0);
     stage.scene.entities[0].position = indoors(map.play.rooms | halls::ROW_CELL, [x, y - 4.0, z]);
     let run = t.scene(&stage.walks(3));
-    let low = run.first().iter().map(|s| s.origin[2]).fold(f32::INFINITY, f32::min);
+    let low = run
+        .first()
+        .iter()
+        .map(|s| s.origin[2])
+        .fold(f32::INFINITY, f32::min);
     t.promise((low - z).abs() < 0.01, || format!("lowest {low}"));
-    t.promise(run.end()[1] > y, || format!("does not get through the row: {:?}", run.end()));
+    t.promise(run.end()[1] > y, || {
+        format!("does not get through the row: {:?}", run.end())
+    });
 }
 
 fn two_buildings(t: &mut Trial) {
     let Some(map) = map(t) else { return };
     for (room, [x, y, _]) in houses::AT.into_iter().take(2).enumerate() {
-        let stage = Stage::new(map.play).in_block(map.play.town).frames(DT, 80).walker(map.play, [x, y - 6.0, 0.0], 0.0);
+        let stage = Stage::new(map.play)
+            .in_block(map.play.town)
+            .frames(DT, 80)
+            .walker(map.play, [x, y - 6.0, 0.0], 0.0);
         let run = t.scene(&stage.walks(3));
         let wanted = map.play.town | (0x100 + room as u32);
         if room == 0 {
@@ -335,7 +453,9 @@ fn no_cell(t: &mut Trial) {
     let Some(mut map) = map(t) else { return };
     let (ids, current) = map.cells(0, &[(Vec3::new(5.0, 5.0, 5.0), 0.3)]);
     t.same("cells of id 0", (ids.len(), current), (0, None));
-    let mut stage = Stage::new(map.play).frames(DT, 30).walker(map.play, spots::OPEN, 0.0);
+    let mut stage = Stage::new(map.play)
+        .frames(DT, 30)
+        .walker(map.play, spots::OPEN, 0.0);
     stage.scene.entities[0].position.cell = 0;
     let run = t.scene(&stage.at(3, 0, motion(WALK, 1.0)));
     t.same("its cell", run.last(0).cell, 0);
@@ -345,8 +465,15 @@ fn scaled_objects(t: &mut Trial) {
     let Some(map) = map(t) else { return };
     for scale in [0.1, 0.5, 2.0, 10.0] {
         for setup in [map.play.pillar, map.play.boulder, map.play.crate_] {
-            let state = if setup == map.play.crate_ { 0x0001_0008 } else { 0x0000_0008 };
-            let stage = Stage::new(map.play).frames(DT, 100).walker(map.play, [30.0, 100.0, 0.0], 90.0);
+            let state = if setup == map.play.crate_ {
+                0x0001_0008
+            } else {
+                0x0000_0008
+            };
+            let stage =
+                Stage::new(map.play)
+                    .frames(DT, 100)
+                    .walker(map.play, [30.0, 100.0, 0.0], 90.0);
             let stage = stage.entity(setup, [52.0, 100.0, 0.0], |spec| {
                 spec.scale = scale;
                 spec.state = state;

@@ -2,8 +2,9 @@
 
 use ac_client::{
     dat::{
-        AnimFrame, AnimRange, Animation, AnimationHook, DataSet, DatBuilder, DatFile, EnvCell, Environment, HookAction, HookDirection, MotionBits, MotionData, MotionTable,
-        PORTAL_FILE, Reader, Record, Setup, StoredFrame, Strictness, VertexArray, Writer,
+        AnimFrame, AnimRange, Animation, AnimationHook, DatBuilder, DatFile, DataSet, EnvCell,
+        Environment, HookAction, HookDirection, MotionBits, MotionData, MotionTable, PORTAL_FILE,
+        Reader, Record, Setup, StoredFrame, Strictness, VertexArray, Writer,
         worldgen::{Rect, Room, SetupBuilder, Side, WorldBuilder, block, shape, structure},
     },
     math::{Plane, Sphere, Vec3},
@@ -33,7 +34,12 @@ cases! { "11";
 }
 
 fn read_file(bytes: Vec<u8>) -> Result<DatFile, ac_client::dat::DatError> {
-    DatFile::from_bytes(PORTAL_FILE, bytes, Some(DataSet::Portal), Strictness::Lenient)
+    DatFile::from_bytes(
+        PORTAL_FILE,
+        bytes,
+        Some(DataSet::Portal),
+        Strictness::Lenient,
+    )
 }
 
 /// A file of plain records by id.
@@ -67,7 +73,15 @@ fn damaged(t: &mut Trial, bytes: &[u8]) {
 
 fn record_sizes(t: &mut Trial) {
     let payload = read_file(file(&[(1, 10)])).map_or(1020, |f| f.header().payload());
-    for size in [0, 1, payload - 1, payload, payload + 1, 2 * payload, 2 * payload + 1] {
+    for size in [
+        0,
+        1,
+        payload - 1,
+        payload,
+        payload + 1,
+        2 * payload,
+        2 * payload + 1,
+    ] {
         let found = read_file(file(&[(0x0600_0001, size)])).and_then(|f| f.get(0x0600_0001));
         let length = found.ok().flatten().map(|bytes| bytes.len());
         t.same("bytes read", length, Some(size));
@@ -80,7 +94,11 @@ fn chains(t: &mut Trial) {
         return t.promise(false, || "the file is not read".into());
     };
     for (id, size) in [(1, 5000), (3, 9000)] {
-        t.same("record", opened.get(id).ok().flatten().map(|b| b.len()), Some(size));
+        t.same(
+            "record",
+            opened.get(id).ok().flatten().map(|b| b.len()),
+            Some(size),
+        );
     }
     // Cut off in the last block.
     for cut in [1, 4, 100, 1024, 2048] {
@@ -95,10 +113,13 @@ fn chains(t: &mut Trial) {
 }
 
 fn node_counts(t: &mut Trial) {
-    for count in [0_u32, 1, 61, 62, 61 + 62 * 61, 61 + 62 * 61 + 1] {
+    // The builder adds the record of iterations.
+    for count in [0_u32, 60, 61, 60 + 62 * 61, 61 + 62 * 61] {
         let records: Vec<(u32, usize)> = (0..count).map(|i| (0x0600_0000 + i, 4)).collect();
-        let ids = read_file(file(&records)).and_then(|f| f.ids()).unwrap_or_default();
-        t.same("records", ids.len(), count as usize);
+        let ids = read_file(file(&records))
+            .and_then(|f| f.ids())
+            .unwrap_or_default();
+        t.same("records", ids.len(), count as usize + 1);
         t.promise(ids.is_sorted(), || "ids are not in order".into());
     }
 }
@@ -110,8 +131,16 @@ fn id_order(t: &mut Trial) {
         return t.promise(false, || "the file is not read".into());
     };
     for id in ids {
-        t.same("record", opened.get(id).ok().flatten().map(|b| b.len()), Some(8));
-        t.same("a record that is not there", opened.get(id ^ 0x10).ok().flatten(), None);
+        t.same(
+            "record",
+            opened.get(id).ok().flatten().map(|b| b.len()),
+            Some(8),
+        );
+        t.same(
+            "a record that is not there",
+            opened.get(id ^ 0x10).ok().flatten(),
+            None,
+        );
     }
 }
 
@@ -126,11 +155,25 @@ fn bad_chains(t: &mut Trial) {
     let first = entry.offset as usize;
     let other = opened.entry(2).ok().flatten().map_or(0, |e| e.offset);
     // To itself, into the other chain, into the header, with the top bit, beyond the end.
-    for link in [entry.offset, other, 0x140, 0, entry.offset | 0x8000_0000, bytes.len() as u32, u32::MAX] {
+    for link in [
+        entry.offset,
+        other,
+        0x140,
+        0,
+        entry.offset | 0x8000_0000,
+        bytes.len() as u32,
+        u32::MAX,
+    ] {
         let mut copy = bytes.clone();
         copy[first..first + 4].copy_from_slice(&link.to_le_bytes());
         let read = read_file(copy).and_then(|f| f.get(1));
-        t.promise(read.as_ref().is_err() || read.as_ref().is_ok_and(|b| b.as_ref().is_none_or(|b| b.len() == 3000)), || format!("link {link:#X}: {read:?}"));
+        t.promise(
+            read.as_ref().is_err()
+                || read
+                    .as_ref()
+                    .is_ok_and(|b| b.as_ref().is_none_or(|b| b.len() == 3000)),
+            || format!("link {link:#X}: {read:?}"),
+        );
     }
 }
 
@@ -146,7 +189,15 @@ fn shaken<T: Record>(t: &mut Trial, record: &T, id: u32) {
     let Ok(bytes) = writer.finish(id) else {
         return t.promise(false, || "the record cannot be written".into());
     };
-    let read = |bytes: &[u8]| T::parse(&mut Reader::new("generated", id, bytes, Strictness::Lenient)).is_ok();
+    let read = |bytes: &[u8]| {
+        T::parse(&mut Reader::new(
+            "generated",
+            id,
+            bytes,
+            Strictness::Lenient,
+        ))
+        .is_ok()
+    };
     t.promise(read(&bytes), || "the record cannot be read again".into());
     for length in 0..bytes.len().min(2000) {
         let _ = read(&bytes[..length]);
@@ -163,13 +214,25 @@ fn shaken<T: Record>(t: &mut Trial, record: &T, id: u32) {
 fn counts(t: &mut Trial) {
     let mut animation = Animation::new(0x0300_0001, 2);
     for _ in 0..4 {
-        animation.push(AnimFrame { parts: vec![StoredFrame::IDENTITY; 2], hooks: Vec::new() }, None);
+        animation.push(
+            AnimFrame {
+                parts: vec![StoredFrame::IDENTITY; 2],
+                hooks: Vec::new(),
+            },
+            None,
+        );
     }
     shaken(t, &animation, 0x0300_0001);
     let mut setup = Setup::empty(0x0200_0001);
     setup.parts = vec![0x0100_0001; 3];
     shaken(t, &setup, 0x0200_0001);
-    for bytes in [vec![0x80, 0x00], vec![0xC0, 0, 0, 0], vec![0x7F], vec![0xFF; 4], vec![0x80]] {
+    for bytes in [
+        vec![0x80, 0x00],
+        vec![0xC0, 0, 0, 0],
+        vec![0x7F],
+        vec![0xFF; 4],
+        vec![0x80],
+    ] {
         let _ = Reader::new("generated", 1, &bytes, Strictness::Lenient).compressed_u32();
     }
     for number in [0_u32, 0x7F, 0x80, 0x3FFF, 0x4000, 0x3FFF_FFFF] {
@@ -185,23 +248,42 @@ fn deep_trees(t: &mut Trial) {
     // A room bounded by so many planes: its tree is a chain of as many nodes.
     for depth in [20_usize, 100_000] {
         let planes = vec![Plane { n: Vec3::X, d: 5.0 }; depth];
-        let room = structure(&block(Vec3::splat(-1.0), Vec3::splat(1.0)), &[], &[], &planes, false);
+        let room = structure(
+            &block(Vec3::splat(-1.0), Vec3::splat(1.0)),
+            &[],
+            &[],
+            &planes,
+            false,
+        );
         let mut world = WorldBuilder::new();
-        world.add(&Environment { id: 0x0D00_0009, structures: vec![room] });
+        world.add(&Environment {
+            id: 0x0D00_0009,
+            structures: vec![room],
+        });
         world.block(0x20, 0x20);
-        let read = world.surround().build().and_then(|set| set.environment(0x0D00_0009));
-        t.promise(read.is_ok() == (depth == 20), || format!("a tree of {depth} nodes is read: {}", read.is_ok()));
+        let read = world
+            .surround()
+            .build()
+            .and_then(|set| set.environment(0x0D00_0009));
+        t.promise(read.is_ok() == (depth == 20), || {
+            format!("a tree of {depth} nodes is read: {}", read.is_ok())
+        });
     }
 }
 
 fn door() -> Rect {
-    Rect { u: [-1.0, 1.0], v: [0.0, 2.0] }
+    Rect {
+        u: [-1.0, 1.0],
+        v: [0.0, 2.0],
+    }
 }
 
 fn rooms(t: &mut Trial) {
     for surfaces in 1..=3_usize {
         let mut world = WorldBuilder::new();
-        let environment = world.environment(&[Room::new(Vec3::splat(-3.0), Vec3::splat(3.0)).doorway(Side::North, door())]);
+        let environment = world.environment(&[
+            Room::new(Vec3::splat(-3.0), Vec3::splat(3.0)).doorway(Side::North, door())
+        ]);
         let home = world.block(0x20, 0x20);
         let room = home.room(environment, 0, StoredFrame::IDENTITY, 1);
         if let Some(cell) = home.room_mut(room) {
@@ -209,7 +291,10 @@ fn rooms(t: &mut Trial) {
             cell.visible_rooms.clear();
         }
         home.restrict(room, 0x7777_7777);
-        let read = world.surround().build().and_then(|set| set.env_cell(0x2020_0100));
+        let read = world
+            .surround()
+            .build()
+            .and_then(|set| set.env_cell(0x2020_0100));
         match read {
             Ok(Some(cell)) => {
                 t.same("surfaces", cell.surfaces.len(), surfaces);
@@ -224,14 +309,29 @@ fn building_portals(t: &mut Trial) {
     for stabs in 0..=2_usize {
         let mut world = WorldBuilder::new();
         let shell = world.solid(&block(Vec3::splat(-4.0), Vec3::splat(4.0)));
-        let environment = world.environment(&[Room::new(Vec3::splat(-3.0), Vec3::splat(3.0)).doorway(Side::South, door())]);
+        let environment = world.environment(&[
+            Room::new(Vec3::splat(-3.0), Vec3::splat(3.0)).doorway(Side::South, door())
+        ]);
         let home = world.block(0x20, 0x20);
-        let rooms: Vec<_> = (0..3).map(|_| home.room(environment, 0, StoredFrame::IDENTITY, 1)).collect();
-        home.building(shell, StoredFrame::IDENTITY, &[(rooms[0], 0, &rooms[..stabs]), (rooms[1], 0, &rooms[..1])]);
-        let read = world.surround().build().and_then(|set| set.landblock_info_of(0x2020_0001));
+        let rooms: Vec<_> = (0..3)
+            .map(|_| home.room(environment, 0, StoredFrame::IDENTITY, 1))
+            .collect();
+        home.building(
+            shell,
+            StoredFrame::IDENTITY,
+            &[(rooms[0], 0, &rooms[..stabs]), (rooms[1], 0, &rooms[..1])],
+        );
+        let read = world
+            .surround()
+            .build()
+            .and_then(|set| set.landblock_info_of(0x2020_0001));
         match read {
             Ok(Some(info)) => {
-                let seen = info.buildings.first().and_then(|b| b.portals.first()).map(|p| p.visible_rooms.len());
+                let seen = info
+                    .buildings
+                    .first()
+                    .and_then(|b| b.portals.first())
+                    .map(|p| p.visible_rooms.len());
                 t.same("stabs", seen, Some(stabs));
                 shaken(t, &*info, 0x2020_FFFE);
             }
@@ -248,7 +348,11 @@ fn polygon_points(t: &mut Trial) {
                 Vec3::new(c, s, 0.0)
             })
             .collect();
-        let record = shape(0x0100_0001, &[], &[ac_client::dat::worldgen::Face::new(ring)]);
+        let record = shape(
+            0x0100_0001,
+            &[],
+            &[ac_client::dat::worldgen::Face::new(ring)],
+        );
         shaken(t, &record, 0x0100_0001);
     }
 }
@@ -256,7 +360,9 @@ fn polygon_points(t: &mut Trial) {
 fn odd_portals(t: &mut Trial) {
     let room = |doors: usize| {
         let sides = [Side::North, Side::South, Side::East];
-        (0..doors).fold(Room::new(Vec3::splat(-3.0), Vec3::splat(3.0)), |room, i| room.doorway(sides[i], door()))
+        (0..doors).fold(Room::new(Vec3::splat(-3.0), Vec3::splat(3.0)), |room, i| {
+            room.doorway(sides[i], door())
+        })
     };
     for (first, second) in [(1, 2), (2, 1), (3, 1), (1, 3)] {
         let mut world = WorldBuilder::new();
@@ -264,7 +370,11 @@ fn odd_portals(t: &mut Trial) {
         world.block(0x20, 0x20);
         match world.surround().build().and_then(|set| set.environment(id)) {
             Ok(Some(environment)) => {
-                let portals: Vec<usize> = environment.structures.iter().map(|s| s.portals.len()).collect();
+                let portals: Vec<usize> = environment
+                    .structures
+                    .iter()
+                    .map(|s| s.portals.len())
+                    .collect();
                 t.same("portals", portals, vec![first, second]);
                 shaken(t, &*environment, id);
             }
@@ -275,22 +385,50 @@ fn odd_portals(t: &mut Trial) {
 
 fn hooks(t: &mut Trial) {
     for wave in [0x0A00_0001_u32, 0x0A00_7FFF, 0x0A01_0000, 0] {
-        let hook = |action| AnimationHook { direction: HookDirection(1), action };
+        let hook = |action| AnimationHook {
+            direction: HookDirection(1),
+            action,
+        };
         let mut animation = Animation::new(0x0300_0001, 1);
-        let hooks = vec![hook(HookAction::Sound { wave }), hook(HookAction::Sound { wave })];
-        animation.push(AnimFrame { parts: vec![StoredFrame::IDENTITY], hooks }, None);
-        animation.push(AnimFrame { parts: vec![StoredFrame::IDENTITY], hooks: vec![hook(HookAction::Sound { wave })] }, None);
+        let hooks = vec![
+            hook(HookAction::Sound { wave }),
+            hook(HookAction::Sound { wave }),
+        ];
+        animation.push(
+            AnimFrame {
+                parts: vec![StoredFrame::IDENTITY],
+                hooks,
+            },
+            None,
+        );
+        animation.push(
+            AnimFrame {
+                parts: vec![StoredFrame::IDENTITY],
+                hooks: vec![hook(HookAction::Sound { wave })],
+            },
+            None,
+        );
         shaken(t, &animation, 0x0300_0001);
     }
 }
 
 fn motions(t: &mut Trial) {
     let many = MotionData {
-        anims: vec![AnimRange { animation: 0x0300_0001, low_frame: 0, high_frame: -1, framerate: 30.0 }; 255],
+        anims: vec![
+            AnimRange {
+                animation: 0x0300_0001,
+                low_frame: 0,
+                high_frame: -1,
+                framerate: 30.0
+            };
+            255
+        ],
         bits: MotionBits::from_bits_retain(1),
         ..MotionData::default()
     };
-    let none = MotionData::default().with_velocity(Vec3::X).with_omega(Vec3::Z);
+    let none = MotionData::default()
+        .with_velocity(Vec3::X)
+        .with_omega(Vec3::Z);
     let table = MotionTable::new(0x0900_0001, 0x8000_003D)
         .with_style(0x8000_003D, 0x4100_0003)
         .with_cycle(0x8000_003D, 0x4100_0003, many)
@@ -304,7 +442,11 @@ fn heights(t: &mut Trial) {
         world.region.height_table = std::array::from_fn(|i| table[i % 2]);
         world.block(0x20, 0x20).heights(|x, y| (x + y) as u8);
         match world.surround().build() {
-            Ok(set) => t.same("first two heights", set.region().height_table[..2].to_vec(), table.to_vec()),
+            Ok(set) => t.same(
+                "first two heights",
+                set.region().height_table[..2].to_vec(),
+                table.to_vec(),
+            ),
             Err(error) => t.promise(false, || error.to_string()),
         }
     }
@@ -320,7 +462,11 @@ fn strings(t: &mut Trial) {
         let mut reader = Reader::new("generated", 1, &bytes, Strictness::Lenient);
         let read = reader.pstring().ok().map(|s| s.len());
         let after = reader.u32().ok();
-        t.same("string and what follows", (read, after), (Some(length), Some(0x1234_5678)));
+        t.same(
+            "string and what follows",
+            (read, after),
+            (Some(length), Some(0x1234_5678)),
+        );
     }
 }
 
@@ -328,21 +474,31 @@ fn no_surface(t: &mut Trial) {
     let mut faces = block(Vec3::splat(-1.0), Vec3::splat(1.0));
     faces[0].surface = -1;
     let record = shape(0x0100_0001, &faces, &faces);
-    t.promise(record.drawing.is_some() || record.physics.is_some(), || "nothing is left".into());
+    t.promise(record.drawing.is_some() || record.physics.is_some(), || {
+        "nothing is left".into()
+    });
     shaken(t, &record, 0x0100_0001);
 }
 
 fn coordinates(t: &mut Trial) {
     for number in [f32::MIN_POSITIVE / 4.0, -0.0, 1e38, f32::MAX, f32::MIN] {
-        let setup = SetupBuilder::new().sphere(Vec3::splat(number), 1.0).with(|setup| {
-            setup.id = 0x0200_0001;
-            setup.sorting_sphere = Sphere { center: Vec3::splat(number), radius: 1.0 };
-        });
+        let setup = SetupBuilder::new()
+            .sphere(Vec3::splat(number), 1.0)
+            .with(|setup| {
+                setup.id = 0x0200_0001;
+                setup.sorting_sphere = Sphere {
+                    center: Vec3::splat(number),
+                    radius: 1.0,
+                };
+            });
         let mut world = WorldBuilder::new();
         let id = world.setup(setup);
         world.block(0x20, 0x20);
         let read = world.surround().build().and_then(|set| set.setup(id));
-        let found = read.ok().flatten().and_then(|s| s.spheres.first().map(|s| s.center.x.to_bits()));
+        let found = read
+            .ok()
+            .flatten()
+            .and_then(|s| s.spheres.first().map(|s| s.center.x.to_bits()));
         t.same("bits of a coordinate", found, Some(number.to_bits()));
         let mut vertices = VertexArray::default();
         vertices.push(Vec3::splat(number), Vec3::Z, &[[0.0, 0.0]]);

@@ -36,7 +36,11 @@ cases! { "01";
 
 fn heading_of_nothing(t: &mut Trial) {
     let p = t.profile.clone();
-    t.same("heading of no offset", heading_of_position_offset(Vec3::ZERO, &p), 0.0);
+    t.same(
+        "heading of no offset",
+        heading_of_position_offset(Vec3::ZERO, &p),
+        0.0,
+    );
     let a = Position::new(BLOCK, Vec3::new(5.0, 5.0, 0.0), Quat::IDENTITY);
     let b = Position::new(BLOCK, Vec3::new(5.0, 5.0, 9.0), Quat::IDENTITY);
     t.same("heading of what is above", a.heading_to(&b, &p), 0.0);
@@ -53,7 +57,9 @@ fn heading_upwards(t: &mut Trial) {
     frame.set_vector_heading(Vec3::Z, &p);
     t.promise(frame.is_valid(&p), || format!("{frame:?} is not valid"));
     let up = frame.forward(&p);
-    t.promise((up - Vec3::Z).length() < 1e-5, || format!("forward is {up}"));
+    t.promise((up - Vec3::Z).length() < 1e-5, || {
+        format!("forward is {up}")
+    });
 }
 
 fn heading_beyond_one(t: &mut Trial) {
@@ -76,11 +82,19 @@ fn zero_quaternion(t: &mut Trial) {
     let p = t.profile.clone();
     let zero = Quat::new(0.0, 0.0, 0.0, 0.0);
     let frame = Frame::new(Vec3::ZERO, zero);
-    t.promise(!frame.is_valid(&p), || "the zero quaternion is valid".into());
-    t.same("a vector turned by it", frame.local_to_global_vec(Vec3::X, &p), Vec3::X);
+    t.promise(!frame.is_valid(&p), || {
+        "the zero quaternion is valid".into()
+    });
+    t.same(
+        "a vector turned by it",
+        frame.local_to_global_vec(Vec3::X, &p),
+        Vec3::X,
+    );
     let mut turned = frame;
     turned.set_rotation(zero, &p);
-    t.promise(!turned.is_valid(&p), || "normalising 0 gives a valid frame".into());
+    t.promise(!turned.is_valid(&p), || {
+        "normalising 0 gives a valid frame".into()
+    });
 }
 
 fn nan_origin(t: &mut Trial) {
@@ -88,15 +102,21 @@ fn nan_origin(t: &mut Trial) {
     let frame = Frame::from_origin(Vec3::new(f32::NAN, 0.0, 0.0));
     t.promise(!frame.is_valid(&p), || "a NaN origin is valid".into());
     let mut position = Position { cell: BLOCK, frame };
-    t.promise(!position.adjust_to_outside(&p), || "a NaN origin has a cell".into());
+    t.promise(!position.adjust_to_outside(&p), || {
+        "a NaN origin has a cell".into()
+    });
 }
 
 fn infinite_origin(t: &mut Trial) {
     let p = t.profile.clone();
     let frame = Frame::from_origin(Vec3::new(f32::INFINITY, 0.0, 0.0));
-    t.promise(frame.is_valid(&p), || "an infinite origin is not valid".into());
+    t.promise(frame.is_valid(&p), || {
+        "an infinite origin is not valid".into()
+    });
     let mut position = Position { cell: BLOCK, frame };
-    t.promise(!position.adjust_to_outside(&p), || "an infinite origin has a cell".into());
+    t.promise(!position.adjust_to_outside(&p), || {
+        "an infinite origin has a cell".into()
+    });
 }
 
 fn negative_zero(t: &mut Trial) {
@@ -116,14 +136,18 @@ fn huge_coordinates(t: &mut Trial) {
     for x in [2.0_f32.powi(23), 3.3e7, 1e9, 1e20, f32::MAX] {
         for x in [x, -x] {
             let (cell, _) = BLOCK.adjust_to_outside(Vec3::new(x, 5.0, 0.0), &t.profile);
-            t.promise(cell.is_none() || cell.cell_in_range(), || format!("x = {x} is in {cell}"));
+            t.promise(cell.is_none() || cell.cell_in_range(), || {
+                format!("x = {x} is in {cell}")
+            });
         }
     }
 }
 
 fn off_map_blocks(t: &mut Trial) {
     let east = CellId(0xFF20_0001);
-    t.promise(!east.is_inbound_valid(), || "column 0xFF is on the map".into());
+    t.promise(!east.is_inbound_valid(), || {
+        "column 0xFF is on the map".into()
+    });
     t.same("its coordinates", east.land_coord(), None);
     let north = CellId(0x20FF_0001);
     let (cell, _) = north.adjust_to_outside(Vec3::new(5.0, 5.0, 0.0), &t.profile);
@@ -136,21 +160,31 @@ fn slow_spin(t: &mut Trial) {
     frame.grotate(Vec3::new(0.0, 0.0, EPSILON * 0.9), &p);
     t.same("turn below epsilon", frame.bits(), Frame::IDENTITY.bits());
     frame.grotate(Vec3::new(0.0, 0.0, EPSILON * 1.1), &p);
-    t.promise(frame != Frame::IDENTITY, || "a turn above epsilon is lost".into());
+    t.promise(frame != Frame::IDENTITY, || {
+        "a turn above epsilon is lost".into()
+    });
     // The same spin: stands at a high frame rate, turns at a low one.
     let Ok(play) = worlds::play() else {
         return t.promise(false, || "no world".into());
     };
     let spin = |dt: f64, count: u32| {
-        Stage::new(play).frames(dt, count).entity(play.ball, [30.0, 100.0, 40.0], |spec| {
-            spec.state = FLOATS;
-            spec.omega = [0.0, 0.0, 0.0045];
-        })
+        Stage::new(play)
+            .frames(dt, count)
+            .entity(play.ball, [30.0, 100.0, 40.0], |spec| {
+                spec.state = FLOATS;
+                spec.omega = [0.0, 0.0, 0.0045];
+            })
     };
     let fast = t.scene(&spin(0.04, 100));
     let slow = t.scene(&spin(0.1, 40));
-    t.same("rotation at 25 quanta a second", fast.last(0).rotation, [1.0, 0.0, 0.0, 0.0]);
-    t.promise(slow.last(0).rotation != [1.0, 0.0, 0.0, 0.0], || "does not turn at 10 a second".into());
+    t.same(
+        "rotation at 25 quanta a second",
+        fast.last(0).rotation,
+        [1.0, 0.0, 0.0, 0.0],
+    );
+    t.promise(slow.last(0).rotation != [1.0, 0.0, 0.0, 0.0], || {
+        "does not turn at 10 a second".into()
+    });
 }
 
 fn opposite_rotations(t: &mut Trial) {
@@ -161,7 +195,9 @@ fn opposite_rotations(t: &mut Trial) {
         b.set_heading(degrees, &p);
         for share in [0.0, 0.25, 0.5, 1.0] {
             between.interpolate_rotation(&a, &b, share, &p);
-            t.promise(between.is_valid(&p), || format!("{degrees} degrees at {share}: {between:?}"));
+            t.promise(between.is_valid(&p), || {
+                format!("{degrees} degrees at {share}: {between:?}")
+            });
         }
     }
 }
@@ -186,7 +222,9 @@ fn far_plane(t: &mut Trial) {
         let point = Vec3::new(far, far, far);
         let plane = Plane::from_normal_and_point(n, point);
         let height = plane.height_at(point).unwrap_or(f32::NAN);
-        t.promise((height - far).abs() < 1e-3, || format!("height {height} at {far}"));
+        t.promise((height - far).abs() < 1e-3, || {
+            format!("height {height} at {far}")
+        });
     }
 }
 
@@ -195,9 +233,15 @@ fn quaternion_limit(t: &mut Trial) {
     let of = |squared: f32| Quat::new(squared.sqrt(), 0.0, 0.0, 0.0);
     t.same("squared length 1.0009", of(1.0009).is_valid(&p), true);
     t.same("squared length 1.0012", of(1.0012).is_valid(&p), false);
-    t.same("not-a-number", Quat::new(f32::NAN, 0.0, 0.0, 0.0).is_valid(&p), false);
+    t.same(
+        "not-a-number",
+        Quat::new(f32::NAN, 0.0, 0.0, 0.0).is_valid(&p),
+        false,
+    );
     t.same("normalised", of(4.0).normalized(&p).is_valid(&p), true);
-    t.promise(vector::is_valid(Vec3::INFINITY), || "infinity is no number".into());
+    t.promise(vector::is_valid(Vec3::INFINITY), || {
+        "infinity is no number".into()
+    });
 }
 
 fn gate_times(t: &mut Trial) {

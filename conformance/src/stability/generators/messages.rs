@@ -20,7 +20,10 @@ use ac_client::{
 };
 
 use super::{
-    super::{trial::Trial, worlds::{self, Playground}},
+    super::{
+        trial::Trial,
+        worlds::{self, Playground},
+    },
     cases,
 };
 
@@ -80,7 +83,11 @@ fn rig(t: &mut Trial) -> Option<Rig> {
     };
     let player = rig.send(PlainServerMessage::PlayerCreate(m::Guid { guid: PLAYER }));
     let made = [PLAYER, OTHER].map(|guid| rig.create(guid, 1, |_| ()));
-    t.same("the rig", (player, made), (Some(Verdict::Applied), [Some(Verdict::Applied); 2]));
+    t.same(
+        "the rig",
+        (player, made),
+        (Some(Verdict::Applied), [Some(Verdict::Applied); 2]),
+    );
     Some(rig)
 }
 
@@ -103,8 +110,16 @@ impl Rig {
         }
     }
 
-    fn create(&mut self, guid: u32, instance: u16, change: impl FnOnce(&mut m::ObjectDescription)) -> Option<Verdict> {
-        let mut o = m::ObjectDescription { guid, ..m::ObjectDescription::default() };
+    fn create(
+        &mut self,
+        guid: u32,
+        instance: u16,
+        change: impl FnOnce(&mut m::ObjectDescription),
+    ) -> Option<Verdict> {
+        let mut o = m::ObjectDescription {
+            guid,
+            ..m::ObjectDescription::default()
+        };
         o.physics.state = 0x0040_0C08;
         o.physics.fields = PhysicsFields {
             position: Some(self.place(if guid == PLAYER { 30.0 } else { 40.0 })),
@@ -121,7 +136,12 @@ impl Rig {
 
     fn position(&mut self, guid: u32, place: WirePosition, stamps: [u16; 4]) -> Option<Verdict> {
         let [instance, position, teleport, force] = stamps;
-        let stamps = PositionStamps { instance, position, teleport, force };
+        let stamps = PositionStamps {
+            instance,
+            position,
+            teleport,
+            force,
+        };
         self.send(PlainServerMessage::UpdatePosition(m::UpdatePosition {
             guid,
             position: PositionPack::new(place, true, stamps).with_all_components(),
@@ -142,37 +162,61 @@ impl Rig {
     }
 
     fn vector(&mut self, guid: u32, velocity: [f32; 3], stamp: u16) -> Option<Verdict> {
-        self.send(PlainServerMessage::VectorUpdate(m::VectorUpdate { guid, velocity, omega: [0.0; 3], instance: 1, stamp }))
+        self.send(PlainServerMessage::VectorUpdate(m::VectorUpdate {
+            guid,
+            velocity,
+            omega: [0.0; 3],
+            instance: 1,
+            stamp,
+        }))
     }
 
     /// The world goes on; everybody stays a number and keeps the speed limit.
     fn goes_on(&mut self, t: &mut Trial) {
         for _ in 0..40 {
             self.now += 0.04;
-            self.pipeline.run_frame(&mut self.world, self.now, &mut NoHost);
+            self.pipeline
+                .run_frame(&mut self.world, self.now, &mut NoHost);
         }
         for (guid, known) in self.entities.iter() {
             let Some(entity) = self.world.entity(known.id) else {
                 continue;
             };
             let (origin, velocity) = (entity.body.position.frame.origin, entity.kin.velocity);
-            t.promise(origin.is_finite() && velocity.is_finite(), || format!("{guid:#X} at {origin}, {velocity} m/s"));
-            t.promise(velocity.length() < 52.0, || format!("{guid:#X} has {velocity} m/s"));
+            t.promise(origin.is_finite() && velocity.is_finite(), || {
+                format!("{guid:#X} at {origin}, {velocity} m/s")
+            });
+            t.promise(velocity.length() < 52.0, || {
+                format!("{guid:#X} has {velocity} m/s")
+            });
         }
     }
 
     fn x(&self, guid: u32) -> f32 {
-        let known = self.entities.get(guid).and_then(|known| self.world.entity(known.id));
+        let known = self
+            .entities
+            .get(guid)
+            .and_then(|known| self.world.entity(known.id));
         known.map_or(f32::NAN, |entity| entity.body.position.frame.origin.x)
     }
 }
 
 fn stamp_wrap(t: &mut Trial) {
     let Some(mut rig) = rig(t) else { return };
-    for (stamp, applied) in [(0x7FFF, true), (0x8001, true), (65_535, true), (0, true), (0, false), (65_535, false), (32_767, true)] {
+    for (stamp, applied) in [
+        (0x7FFF, true),
+        (0x8001, true),
+        (65_535, true),
+        (0, true),
+        (0, false),
+        (65_535, false),
+        (32_767, true),
+    ] {
         let place = rig.place(41.0);
         let verdict = rig.position(OTHER, place, [1, stamp, 0, 0]);
-        t.promise((verdict == Some(Verdict::Applied)) == applied, || format!("stamp {stamp}: {verdict:?}"));
+        t.promise((verdict == Some(Verdict::Applied)) == applied, || {
+            format!("stamp {stamp}: {verdict:?}")
+        });
     }
     rig.goes_on(t);
 }
@@ -182,7 +226,10 @@ fn teleport_old_position(t: &mut Trial) {
     let (near, far) = (rig.place(41.0), rig.place(90.0));
     rig.position(OTHER, near, [1, 10, 0, 0]);
     let verdict = rig.position(OTHER, far, [1, 5, 1, 0]);
-    t.promise(matches!(verdict, Some(Verdict::Dropped(Dropped::Old(_)))), || format!("{verdict:?}"));
+    t.promise(
+        matches!(verdict, Some(Verdict::Dropped(Dropped::Old(_)))),
+        || format!("{verdict:?}"),
+    );
     rig.goes_on(t);
     t.promise(rig.x(OTHER) < 50.0, || format!("it is at {}", rig.x(OTHER)));
 }
@@ -202,18 +249,37 @@ fn no_cell(t: &mut Trial) {
     rig.create(ITEM, 1, |o| o.physics.fields.position = None);
     let place = rig.place(50.0);
     let verdict = rig.position(ITEM, place, [1, 1, 0, 0]);
-    t.same("position of an object without cell", verdict, Some(Verdict::Applied));
-    t.promise((rig.x(ITEM) - 50.0).abs() < 0.5, || format!("it is at {}", rig.x(ITEM)));
-    let nowhere = WirePosition { cell: 0x7777_0001, ..rig.place(50.0) };
+    t.same(
+        "position of an object without cell",
+        verdict,
+        Some(Verdict::Applied),
+    );
+    t.promise((rig.x(ITEM) - 50.0).abs() < 0.5, || {
+        format!("it is at {}", rig.x(ITEM))
+    });
+    let nowhere = WirePosition {
+        cell: 0x7777_0001,
+        ..rig.place(50.0)
+    };
     rig.position(ITEM, nowhere, [1, 2, 0, 0]);
     rig.goes_on(t);
 }
 
 fn quaternions(t: &mut Trial) {
     let Some(mut rig) = rig(t) else { return };
-    let rotations = [[0.0, 0.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.5, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, -0.0], [f32::NAN, 0.0, 0.0, 1.0], [1e30, 1e30, 0.0, 0.0]];
+    let rotations = [
+        [0.0, 0.0, 0.0, 0.0],
+        [-1.0, 0.0, 0.0, 0.0],
+        [0.5, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0, -0.0],
+        [f32::NAN, 0.0, 0.0, 1.0],
+        [1e30, 1e30, 0.0, 0.0],
+    ];
     for (i, rotation) in (1..).zip(rotations) {
-        let place = WirePosition { rotation, ..rig.place(41.0) };
+        let place = WirePosition {
+            rotation,
+            ..rig.place(41.0)
+        };
         rig.position(OTHER, place, [1, i, 0, 0]);
         rig.goes_on(t);
     }
@@ -236,7 +302,9 @@ fn movement_lengths(t: &mut Trial) {
     long.extend([9; 40]);
     for (stamp, bytes) in (1..).zip((0..=whole.len()).map(|n| whole[..n].to_vec()).chain([long])) {
         let verdict = rig.motion(OTHER, stamp, &bytes);
-        t.promise(verdict != Some(Verdict::Other), || format!("{} bytes: {verdict:?}", bytes.len()));
+        t.promise(verdict != Some(Verdict::Other), || {
+            format!("{} bytes: {verdict:?}", bytes.len())
+        });
     }
     rig.goes_on(t);
 }
@@ -269,7 +337,12 @@ fn move_to_object(t: &mut Trial) {
     let Some(mut rig) = rig(t) else { return };
     let mut stamp = 0;
     for target in [OTHER, PLAYER, 0x7777_7777, 0] {
-        for (fail, rate) in [(f32::MAX, 1.0_f32), (10.0, 0.0), (10.0, -1.0), (f32::NAN, f32::NAN)] {
+        for (fail, rate) in [
+            (f32::MAX, 1.0_f32),
+            (10.0, 0.0),
+            (10.0, -1.0),
+            (f32::NAN, f32::NAN),
+        ] {
             for cell in [rig.play.home | 0x0D, rig.play.hills | 1, 0] {
                 stamp += 1;
                 let mut bytes = vec![6, 0, 0x3D, 0x00];
@@ -321,19 +394,32 @@ fn parent_cycles(t: &mut Trial) {
     let Some(mut rig) = rig(t) else { return };
     rig.create(ITEM, 1, |_| ());
     let hold = |parent, child, stamp| {
-        PlainServerMessage::ParentEvent(m::ParentEvent { parent, child, location: 1, placement: 1, parent_instance: 1, child_position: stamp })
+        PlainServerMessage::ParentEvent(m::ParentEvent {
+            parent,
+            child,
+            location: 1,
+            placement: 1,
+            parent_instance: 1,
+            child_position: stamp,
+        })
     };
     let own = rig.send(hold(OTHER, OTHER, 1));
-    t.promise(own != Some(Verdict::Applied), || "an object holds itself".into());
+    t.promise(own != Some(Verdict::Applied), || {
+        "an object holds itself".into()
+    });
     rig.send(hold(OTHER, ITEM, 2));
     let back = rig.send(hold(ITEM, OTHER, 3));
-    t.promise(back != Some(Verdict::Applied), || "two objects hold each other".into());
+    t.promise(back != Some(Verdict::Applied), || {
+        "two objects hold each other".into()
+    });
     rig.goes_on(t);
 }
 
 fn unknown_children(t: &mut Trial) {
     let Some(mut rig) = rig(t) else { return };
-    rig.create(ITEM, 1, |o| o.physics.fields.children = Some(List(vec![(0x7777_7777, 1), (0x7777_7778, 0), (ITEM, 1)])));
+    rig.create(ITEM, 1, |o| {
+        o.physics.fields.children = Some(List(vec![(0x7777_7777, 1), (0x7777_7778, 0), (ITEM, 1)]))
+    });
     rig.goes_on(t);
     t.same("objects", rig.entities.iter().len(), 3);
 }
@@ -349,18 +435,37 @@ fn parent_and_position(t: &mut Trial) {
 fn states(t: &mut Trial) {
     let Some(mut rig) = rig(t) else { return };
     rig.vector(OTHER, [1.0, 0.0, 12.0], 1);
-    for (stamp, state) in (1..).zip([0x0000_0808_u32, 0x0000_4408, 0x0100_0408, 0x0000_0409, 0xFFFF_FFFF, 0x0040_0C08]) {
-        rig.send(PlainServerMessage::SetState(m::SetState { guid: OTHER, state, instance: 1, stamp }));
+    for (stamp, state) in (1..).zip([
+        0x0000_0808_u32,
+        0x0000_4408,
+        0x0100_0408,
+        0x0000_0409,
+        0xFFFF_FFFF,
+        0x0040_0C08,
+    ]) {
+        rig.send(PlainServerMessage::SetState(m::SetState {
+            guid: OTHER,
+            state,
+            instance: 1,
+            stamp,
+        }));
         rig.goes_on(t);
     }
 }
 
 fn vectors(t: &mut Trial) {
     let Some(mut rig) = rig(t) else { return };
-    for (stamp, velocity) in (1..).zip([[400.0, 0.0, 0.0], [0.0, 0.0, f32::MAX], [f32::NAN, 0.0, 0.0], [0.0, f32::INFINITY, 0.0]]) {
+    for (stamp, velocity) in (1..).zip([
+        [400.0, 0.0, 0.0],
+        [0.0, 0.0, f32::MAX],
+        [f32::NAN, 0.0, 0.0],
+        [0.0, f32::INFINITY, 0.0],
+    ]) {
         let verdict = rig.vector(OTHER, velocity, stamp);
         let finite = velocity.iter().all(|c| c.is_finite());
-        t.promise(finite || verdict != Some(Verdict::Applied), || format!("{velocity:?}: {verdict:?}"));
+        t.promise(finite || verdict != Some(Verdict::Applied), || {
+            format!("{velocity:?}: {verdict:?}")
+        });
         rig.goes_on(t);
     }
 }
@@ -384,16 +489,27 @@ fn materials(t: &mut Trial) {
 
 fn deletes(t: &mut Trial) {
     let Some(mut rig) = rig(t) else { return };
-    let delete = |guid, instance| PlainServerMessage::DeleteObject(m::DeleteObject { guid, instance });
+    let delete =
+        |guid, instance| PlainServerMessage::DeleteObject(m::DeleteObject { guid, instance });
     let player = rig.send(delete(PLAYER, 1));
-    t.same("deleting the player", player, Some(Verdict::Dropped(Dropped::LocalPlayer)));
+    t.same(
+        "deleting the player",
+        player,
+        Some(Verdict::Dropped(Dropped::LocalPlayer)),
+    );
     let mut chase = vec![8, 0, 0x3D, 0x00];
     chase.extend(OTHER.to_le_bytes());
     chase.extend([0; 24]);
     rig.motion(PLAYER, 1, &chase);
-    t.same("deleting the target", rig.send(delete(OTHER, 1)), Some(Verdict::Applied));
+    t.same(
+        "deleting the target",
+        rig.send(delete(OTHER, 1)),
+        Some(Verdict::Applied),
+    );
     rig.goes_on(t);
-    t.promise(rig.send(delete(OTHER, 1)) != Some(Verdict::Applied), || "deleted twice".into());
+    t.promise(rig.send(delete(OTHER, 1)) != Some(Verdict::Applied), || {
+        "deleted twice".into()
+    });
     rig.goes_on(t);
 }
 
@@ -402,7 +518,9 @@ fn teleports(t: &mut Trial) {
     let far = rig.place(90.0);
     rig.position(PLAYER, far, [1, 1, 1, 0]);
     for stamp in [1, 1, 2] {
-        rig.send(PlainServerMessage::PlayerTeleport(m::PlayerTeleport { stamp }));
+        rig.send(PlainServerMessage::PlayerTeleport(m::PlayerTeleport {
+            stamp,
+        }));
         rig.goes_on(t);
     }
     let near = rig.place(30.0);
@@ -439,7 +557,9 @@ fn strings(t: &mut Trial) {
             bytes.extend(length.to_le_bytes());
             bytes.extend(std::iter::repeat_n(0_u8, body));
             let parsed = ServerMessage::parse(&bytes);
-            t.promise(parsed.is_err() || body >= usize::from(length), || format!("a string of {length} in {body} bytes is read"));
+            t.promise(parsed.is_err() || body >= usize::from(length), || {
+                format!("a string of {length} in {body} bytes is read")
+            });
         }
     }
     rig.goes_on(t);

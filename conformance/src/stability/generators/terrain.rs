@@ -47,7 +47,11 @@ cases! { "02";
     19 "a block leaves full detail while objects stand in it" => detail_change;
 }
 
-fn block(t: &Trial, height: impl Fn(usize, usize) -> u8, word: impl Fn(usize, usize) -> u16) -> TerrainBlock {
+fn block(
+    t: &Trial,
+    height: impl Fn(usize, usize) -> u8,
+    word: impl Fn(usize, usize) -> u16,
+) -> TerrainBlock {
     let source = TerrainVertices {
         heights: std::array::from_fn(|i| height(i / 9, i % 9)),
         words: std::array::from_fn(|i| word(i / 9, i % 9)),
@@ -80,38 +84,74 @@ fn on_the_diagonal(t: &mut Trial) {
 fn on_the_border(t: &mut Trial) {
     let terrain = block(t, |x, _| x as u8, |_, _| 0);
     let point = Vec3::new(24.0, 10.0, 0.0);
-    let owner = BLOCK.with_low(1).outside_coord(point.x, point.y, &t.profile).map(|c| c.cell_id().low());
+    let owner = BLOCK
+        .with_low(1)
+        .outside_coord(point.x, point.y, &t.profile)
+        .map(|c| c.cell_id().low());
     t.same("cell of x = 24", owner, Some(9));
-    t.promise(terrain.find_terrain_poly(0, point).is_some(), || "the western cell does not accept it".into());
-    t.promise(terrain.find_terrain_poly(8, point).is_some(), || "the eastern cell does not accept it".into());
-    let heights = [0, 8].map(|cell| terrain.find_terrain_poly(cell, point).and_then(|(_, tri)| tri.plane.height_at(point)));
+    t.promise(terrain.find_terrain_poly(0, point).is_some(), || {
+        "the western cell does not accept it".into()
+    });
+    t.promise(terrain.find_terrain_poly(8, point).is_some(), || {
+        "the eastern cell does not accept it".into()
+    });
+    let heights = [0, 8].map(|cell| {
+        terrain
+            .find_terrain_poly(cell, point)
+            .and_then(|(_, tri)| tri.plane.height_at(point))
+    });
     let [Some(a), Some(b)] = heights else {
         return t.promise(false, || "no height on the border".into());
     };
-    t.promise((a - b).abs() < 1e-4, || format!("{a} and {b} on the same border"));
+    t.promise((a - b).abs() < 1e-4, || {
+        format!("{a} and {b} on the same border")
+    });
 }
 
 fn outside_the_cell(t: &mut Trial) {
     let terrain = block(t, |_, _| 0, |_, _| 0);
-    for point in [Vec3::new(-1.0, 5.0, 0.0), Vec3::new(25.0, 5.0, 0.0), Vec3::new(5.0, 30.0, 0.0)] {
-        t.promise(terrain.find_terrain_poly(0, point).is_none(), || format!("cell 0 has {point}"));
+    for point in [
+        Vec3::new(-1.0, 5.0, 0.0),
+        Vec3::new(25.0, 5.0, 0.0),
+        Vec3::new(5.0, 30.0, 0.0),
+    ] {
+        t.promise(terrain.find_terrain_poly(0, point).is_none(), || {
+            format!("cell 0 has {point}")
+        });
     }
-    t.same("height outside the block", terrain.height_at(Vec3::new(200.0, 5.0, 0.0), &t.profile), None);
-    t.same("cell that is none", terrain.find_terrain_poly(64, Vec3::ZERO).is_none(), true);
+    t.same(
+        "height outside the block",
+        terrain.height_at(Vec3::new(200.0, 5.0, 0.0), &t.profile),
+        None,
+    );
+    t.same(
+        "cell that is none",
+        terrain.find_terrain_poly(64, Vec3::ZERO).is_none(),
+        true,
+    );
 }
 
 fn nan_point(t: &mut Trial) {
     let terrain = block(t, |_, _| 0, |_, _| 0);
     let nan = Vec3::new(f32::NAN, f32::NAN, 0.0);
-    t.same("polygon of not-a-number", terrain.find_terrain_poly(0, nan).map(|(i, _)| i), Some(0));
+    t.same(
+        "polygon of not-a-number",
+        terrain.find_terrain_poly(0, nan).map(|(i, _)| i),
+        Some(0),
+    );
 }
 
 fn last_column(t: &mut Trial) {
     let corner = CellId(0xFE20_0001);
     let (cell, _) = corner.adjust_to_outside(Vec3::new(192.0, 5.0, 0.0), &t.profile);
-    t.promise(cell.is_none(), || format!("x = 192 of the last column is in {cell}"));
-    let (cell, _) = corner.adjust_to_outside(Vec3::new(192.0_f32.next_down(), 5.0, 0.0), &t.profile);
-    t.promise(!cell.is_none(), || "one ulp before it there is no cell".into());
+    t.promise(cell.is_none(), || {
+        format!("x = 192 of the last column is in {cell}")
+    });
+    let (cell, _) =
+        corner.adjust_to_outside(Vec3::new(192.0_f32.next_down(), 5.0, 0.0), &t.profile);
+    t.promise(!cell.is_none(), || {
+        "one ulp before it there is no cell".into()
+    });
 }
 
 fn missing_blocks(t: &mut Trial) {
@@ -120,7 +160,9 @@ fn missing_blocks(t: &mut Trial) {
     };
     let mut world = World::with_source(t.profile.clone(), 0.0, Arc::clone(&play.source) as _);
     for id in [0xFFFF_0001, 0x7777_0001, 0x2020_0000, 0x2020_0041] {
-        t.promise(world.visible_cell(CellId(id)).is_none(), || format!("cell {id:#X} is there"));
+        t.promise(world.visible_cell(CellId(id)).is_none(), || {
+            format!("cell {id:#X} is there")
+        });
     }
     // Thrown off the only blocks there are.
     let stage = Stage::new(play).in_block(0x1F20_0000).frames(DT, 200);
@@ -129,13 +171,21 @@ fn missing_blocks(t: &mut Trial) {
 
 fn cliffs(t: &mut Trial) {
     let terrain = block(t, |x, y| if x + y > 7 { 255 } else { 0 }, |_, _| 0);
-    let steepest = terrain.triangles().iter().map(|tri| tri.plane.n.z).fold(1.0, f32::min);
-    t.promise((0.02..0.1).contains(&steepest), || format!("steepest n.z {steepest}"));
+    let steepest = terrain
+        .triangles()
+        .iter()
+        .map(|tri| tri.plane.n.z)
+        .fold(1.0, f32::min);
+    t.promise((0.02..0.1).contains(&steepest), || {
+        format!("steepest n.z {steepest}")
+    });
     for triangle in terrain.triangles() {
         for corner in triangle.vertices {
             let height = triangle.plane.height_at(corner).unwrap_or(f32::NAN);
             // About 40 times the rounding of d.
-            t.promise((height - corner.z).abs() < 0.01, || format!("height {height} at {corner}"));
+            t.promise((height - corner.z).abs() < 0.01, || {
+                format!("height {height} at {corner}")
+            });
         }
     }
     let Ok(play) = worlds::play() else {
@@ -158,7 +208,9 @@ fn flat_block(t: &mut Trial) {
 }
 
 fn height_tables(t: &mut Trial) {
-    t.promise(HeightTable::new(&[0.0; 255]).is_none(), || "255 heights are a table".into());
+    t.promise(HeightTable::new(&[0.0; 255]).is_none(), || {
+        "255 heights are a table".into()
+    });
     // Taken as it is, and reported (11 D-28).
     for height in [-5.0, 801.0, f32::MAX] {
         let mut world = WorldBuilder::new();
@@ -185,9 +237,25 @@ fn middle_depth(t: &mut Trial) {
 
 fn dry_corner(t: &mut Trial) {
     let terrain = block(t, |_, _| 0, |x, _| shore(x, 1));
-    t.same("water of the cell", terrain.cell_water(0), WaterType::Partial);
-    t.same("depth", terrain.water_depth(0, Vec3::new(1.0, 1.0, 0.0), &t.profile).metres(), 0.1);
-    t.same("depth in a dry cell", block(t, |_, _| 0, |_, _| 0).water_depth(0, Vec3::ZERO, &t.profile).metres(), 0.0);
+    t.same(
+        "water of the cell",
+        terrain.cell_water(0),
+        WaterType::Partial,
+    );
+    t.same(
+        "depth",
+        terrain
+            .water_depth(0, Vec3::new(1.0, 1.0, 0.0), &t.profile)
+            .metres(),
+        0.1,
+    );
+    t.same(
+        "depth in a dry cell",
+        block(t, |_, _| 0, |_, _| 0)
+            .water_depth(0, Vec3::ZERO, &t.profile)
+            .metres(),
+        0.0,
+    );
 }
 
 fn object() -> SceneObject {
@@ -209,13 +277,26 @@ fn object() -> SceneObject {
 }
 
 /// Scenery of a block whose words name scene type 0, which has one scene.
-fn scattered(t: &Trial, change: impl Fn(&mut Region), object: SceneObject) -> Vec<scenery::SceneryPlacement> {
+fn scattered(
+    t: &Trial,
+    change: impl Fn(&mut Region),
+    object: SceneObject,
+) -> Vec<scenery::SceneryPlacement> {
     let mut region = WorldBuilder::new().region;
     region.scene_types[0].scenes = vec![0x1200_0001];
     change(&mut region);
-    let scene = Arc::new(Scene { id: 0x1200_0001, objects: vec![object] });
+    let scene = Arc::new(Scene {
+        id: 0x1200_0001,
+        objects: vec![object],
+    });
     let terrain = block(t, |_, _| 0, |_, _| 0);
-    scenery::scenery(&terrain, &region, |_| Some(Arc::clone(&scene)), |_| false, &t.profile)
+    scenery::scenery(
+        &terrain,
+        &region,
+        |_| Some(Arc::clone(&scene)),
+        |_| false,
+        &t.profile,
+    )
 }
 
 fn no_scenes(t: &mut Trial) {
@@ -233,30 +314,73 @@ fn no_scenes(t: &mut Trial) {
 
 fn always_there(t: &mut Trial) {
     let full = scattered(t, |_| (), object()).len();
-    let half = scattered(t, |_| (), SceneObject { frequency: 0.5, ..object() }).len();
+    let half = scattered(
+        t,
+        |_| (),
+        SceneObject {
+            frequency: 0.5,
+            ..object()
+        },
+    )
+    .len();
     // Vertices on the far borders lie outside the block.
-    t.promise(full >= 64 && half < full, || format!("{full} with frequency 1, {half} with 0.5"));
+    t.promise(full >= 64 && half < full, || {
+        format!("{full} with frequency 1, {half} with 0.5")
+    });
 }
 
 fn displaced_out(t: &mut Trial) {
-    let far = SceneObject { displace_x: 500.0, displace_y: 500.0, ..object() };
+    let far = SceneObject {
+        displace_x: 500.0,
+        displace_y: 500.0,
+        ..object()
+    };
     for placed in scattered(t, |_| (), far) {
         let at = placed.frame.origin;
-        t.promise((0.0..192.0).contains(&at.x) && (0.0..192.0).contains(&at.y), || format!("scenery at {at}"));
+        t.promise(
+            (0.0..192.0).contains(&at.x) && (0.0..192.0).contains(&at.y),
+            || format!("scenery at {at}"),
+        );
     }
     t.promise(true, String::new);
 }
 
 fn any_slope(t: &mut Trial) {
     let open = scattered(t, |_| (), object()).len();
-    let strict = scattered(t, |_| (), SceneObject { min_slope: 0.999, max_slope: 90.0, ..object() }).len();
+    let strict = scattered(
+        t,
+        |_| (),
+        SceneObject {
+            min_slope: 0.999,
+            max_slope: 90.0,
+            ..object()
+        },
+    )
+    .len();
     t.same("level ground with a strict lower limit", strict, open);
-    let none = scattered(t, |_| (), SceneObject { min_slope: 0.0, max_slope: 0.5, ..object() }).len();
+    let none = scattered(
+        t,
+        |_| (),
+        SceneObject {
+            min_slope: 0.0,
+            max_slope: 0.5,
+            ..object()
+        },
+    )
+    .len();
     t.same("level ground above the upper limit", none, 0);
 }
 
 fn zero_scale(t: &mut Trial) {
-    let placed = scattered(t, |_| (), SceneObject { min_scale: 0.0, max_scale: 2.0, ..object() });
+    let placed = scattered(
+        t,
+        |_| (),
+        SceneObject {
+            min_scale: 0.0,
+            max_scale: 2.0,
+            ..object()
+        },
+    );
     t.promise(!placed.is_empty(), || "nothing is placed".into());
     for one in placed {
         // pow(inf, u)·0: kept as it is.
@@ -275,8 +399,14 @@ fn no_alpha_map(t: &mut Trial) {
 fn detail_change(t: &mut Trial) {
     let mut terrain = block(t, |x, _| x as u8, |_, _| 0);
     terrain.generate(Detail::at_offset(5, 5), &HeightTable::linear(), &t.profile);
-    t.promise(!terrain.is_full_detail(), || "five blocks away there is full detail".into());
-    t.same("cells at reduced detail", terrain.cell_index(CellId(0x2020_0001)), None);
+    t.promise(!terrain.is_full_detail(), || {
+        "five blocks away there is full detail".into()
+    });
+    t.same(
+        "cells at reduced detail",
+        terrain.cell_index(CellId(0x2020_0001)),
+        None,
+    );
     t.promise(VERTICES == 81, || "a block has 81 vertices".into());
     let Ok(play) = worlds::play() else {
         return t.promise(false, || "no world".into());
@@ -284,10 +414,16 @@ fn detail_change(t: &mut Trial) {
     // Nothing physical of the released block remains: whoever stood there has no cell.
     let mut world = World::with_source(t.profile.clone(), 0.0, Arc::clone(&play.source) as _);
     let cell = CellId(play.home | 1);
-    t.promise(world.visible_cell(cell).is_some(), || "the block does not load".into());
+    t.promise(world.visible_cell(cell).is_some(), || {
+        "the block does not load".into()
+    });
     let mut lost = Vec::new();
     world.release_block(cell, &mut lost);
-    t.promise(world.land.loaded(cell).is_none(), || "a cell of the released block remains".into());
-    let stage = Stage::new(play).frames(DT, 20).walker(play, worlds::spots::OPEN, 0.0);
+    t.promise(world.land.loaded(cell).is_none(), || {
+        "a cell of the released block remains".into()
+    });
+    let stage = Stage::new(play)
+        .frames(DT, 20)
+        .walker(play, worlds::spots::OPEN, 0.0);
     t.scene(&stage.at(2, 0, motion(WALK, 1.0)));
 }
