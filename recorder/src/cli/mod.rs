@@ -52,6 +52,12 @@ enum Command {
     Import(make::ImportArgs),
     /// Redact a recording again: one that was made with --keep-secrets, or by an older program.
     Redact(make::RedactArgs),
+    /// Show a scene to one client over the game's protocol, on a network as bad as wanted. A development tool: it trusts every login.
+    DemoServer(crate::demo_server::shell::Args),
+    /// Write the golden packet sessions and the traces that are expected of them again.
+    DemoSessions(crate::demo_server::shell::SessionArgs),
+    /// Log in to a server without a screen and do what a script says.
+    Play(crate::play::shell::Args),
     /// Measure what the proxy adds and loses on this machine.
     #[command(hide = true)]
     Bench(crate::measure::bench::BenchArgs),
@@ -106,6 +112,9 @@ fn run(command: Command) -> Result<(String, u8), RecordError> {
         Command::Recover(args) => make::recover(&args),
         Command::Import(args) => make::import_capture(&args),
         Command::Redact(args) => make::redact(&args),
+        Command::DemoServer(args) => Ok((crate::demo_server::shell::run(&args)?, 0)),
+        Command::DemoSessions(args) => Ok((crate::demo_server::shell::write_sessions(&args)?, 0)),
+        Command::Play(args) => Ok((crate::play::shell::run(&args)?, 0)),
         Command::Bench(args) => crate::measure::bench::run(&args),
         Command::KillTrials(args) => crate::measure::trials::run(&args),
     }
