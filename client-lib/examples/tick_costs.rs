@@ -1,6 +1,7 @@
 //! Cost of one tick as JSON lines `{case, ns, allocations}`, per object.
 //!
 //! `tick_costs [case [frames]]`: one case alone, for instruction counts (`valgrind --tool=callgrind --toggle-collect='*measured*'`).
+//! `tick_costs memory`: bytes of heap per object instead, as `{objects, bytes}`.
 
 #[path = "../benches/common/mod.rs"]
 mod common;
@@ -40,9 +41,42 @@ fn measured(case: &mut Case, frames: u32) {
     case.run(frames);
 }
 
+/// Heap that a case keeps per object when there are many, in bytes: the entity and all it owns; shared shapes and the map do not count.
+fn bytes_per_object(make: impl Fn(usize) -> Case) -> f64 {
+    const MANY: usize = 1000;
+    let keeps = |count: usize| {
+        let mut case = None;
+        let use_of_heap = allocation_counter::measure(|| {
+            let made = case.insert(make(count));
+            made.run(WARM_UP);
+        });
+        use_of_heap.bytes_current as f64
+    };
+    // What is loaded once is loaded before.
+    keeps(1);
+    (keeps(MANY + 1) - keeps(1)) / MANY as f64
+}
+
+fn report_memory() {
+    let cases: [(&str, fn(usize) -> Case); 2] = [
+        ("idle_npc", common::idle_npcs),
+        ("at_rest", |count| common::mostly_idle(count, 0)),
+    ];
+    for (name, make) in cases {
+        println!(
+            "{{\"objects\":\"{name}\",\"bytes\":{:.0}}}",
+            bytes_per_object(make)
+        );
+    }
+}
+
 fn main() {
     let mut arguments = std::env::args().skip(1);
     let only = arguments.next();
+    if only.as_deref() == Some("memory") {
+        report_memory();
+        return;
+    }
     let frames = arguments.next().and_then(|f| f.parse().ok()).unwrap_or(100);
     for (name, make, objects) in CASES {
         if only.as_ref().is_some_and(|o| o != name) {

@@ -899,7 +899,8 @@ impl Profile {
     /// The preset of a name, which for an oracle is the oracle's name. `None` for an unknown name.
     pub fn named(name: &str) -> Option<Self> {
         match name {
-            "retail" => Some(Self::retail()),
+            // The oracle `self` is this library under the profile `retail` (recorded sessions).
+            "retail" | "self" => Some(Self::retail()),
             "ace" => Some(Self::ace()),
             "gdle" => Some(Self::gdle()),
             "gdle-repaired" => Some(Self::gdle_repaired()),

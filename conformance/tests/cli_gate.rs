@@ -58,8 +58,8 @@ fn json(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).expect("one JSON document")
 }
 
-/// One trace that is exact under the oracle's profile and diverges under `retail`.
-const DIVERGES: &str = "run @/bounce/drop.mcap --oracle ace --mode free --profile retail";
+/// One trace that is exact under the oracle's profile; its four entities diverge under `retail`, in frame 0.
+const DIVERGES: &str = "run @/objects/boulder.mcap --oracle ace --mode free --profile retail";
 
 #[test]
 fn exit_codes_say_what_a_run_means() {
@@ -78,7 +78,7 @@ fn exit_codes_say_what_a_run_means() {
 #[test]
 fn every_divergence_has_one_label_and_the_counts_agree() {
     let folder = Folder::new();
-    // Two of the four entities are known, one of them diverges earlier than that.
+    // The baseline has an entry for two of the four, one of them for a later frame.
     let found = json(&folder.conform(&format!("{DIVERGES} --format json")));
     let first = |index: usize| &found["results"][index]["first_divergence"];
     let diverging: Vec<usize> = (0..4).filter(|index| !first(*index).is_null()).collect();
@@ -86,7 +86,7 @@ fn every_divergence_has_one_label_and_the_counts_agree() {
     let entry = |index: usize, later: i64| {
         let divergence = first(index);
         format!(
-            "[[known]]\nscene = 'bounce/drop'\noracle = 'ace'\nmode = 'free'\nguid = {}\nframe = {}\nfield = {}\nreason = 'because'\n",
+            "[[known]]\nscene = 'objects/boulder'\noracle = 'ace'\nmode = 'free'\nguid = {}\nframe = {}\nfield = {}\nreason = 'because'\n",
             found["results"][index]["guid"],
             divergence["frame"].as_i64().unwrap() + later,
             divergence["field"]
@@ -98,7 +98,7 @@ fn every_divergence_has_one_label_and_the_counts_agree() {
     assert_eq!(code(&output), 1);
     let text = stdout(&output);
     let labelled = |label: &str| {
-        let start = format!("{label}: bounce/drop ace free ");
+        let start = format!("{label}: objects/boulder ace free ");
         text.lines().filter(|line| line.starts_with(&start)).count()
     };
     assert_eq!((labelled("known"), labelled("changed")), (1, 1), "{text}");
@@ -114,15 +114,16 @@ fn every_divergence_has_one_label_and_the_counts_agree() {
 #[test]
 fn a_policy_widens_skips_and_is_named_with_its_reasons() {
     let folder = Folder::new();
+    let arc = DIVERGES.replace("objects/boulder", "missile/arc");
     folder.write(
         "wide.toml",
-        "[[tolerance]]\nscene = 'bounce/*'\nfield = '*'\nany = true\nreason = 'only to try it'\n",
+        "[[tolerance]]\nscene = 'missile/*'\nfield = '*'\nany = true\nreason = 'only to try it'\n",
     );
-    let output = folder.conform(&format!("{DIVERGES} --policy wide.toml --report report"));
+    let output = folder.conform(&format!("{arc} --policy wide.toml --report report"));
     assert_eq!(code(&output), 0, "{output:?}");
     let text = stdout(&output);
     assert!(
-        text.contains("within tolerance: bounce/drop ace free"),
+        text.contains("within tolerance: missile/arc ace free"),
         "{text}"
     );
     assert!(text.contains("only to try it"), "{text}");
@@ -130,11 +131,11 @@ fn a_policy_widens_skips_and_is_named_with_its_reasons() {
     assert!(folder.text("report/index.html").contains("only to try it"));
     folder.write(
         "skip.toml",
-        "[[skip]]\nscene = 'bounce/*'\nreason = 'takes hours'\n",
+        "[[skip]]\nscene = 'missile/*'\nreason = 'takes hours'\n",
     );
-    let output = folder.conform(&format!("{DIVERGES} --policy skip.toml"));
+    let output = folder.conform(&format!("{arc} --policy skip.toml"));
     assert_eq!(code(&output), 0, "{output:?}");
-    assert!(stdout(&output).contains("skipped: bounce/drop: takes hours"));
+    assert!(stdout(&output).contains("skipped: missile/arc: takes hours"));
     folder.write(
         "bad.toml",
         "[[tolerance]]\nfield = 'origin'\nulp = 1\nreason = ''\n",
@@ -214,7 +215,7 @@ fn junit_annotations_and_summaries_are_written() {
     assert!(junit.starts_with("<?xml"), "{junit}");
     assert_eq!(junit.matches("<testcase").count(), 4, "{junit}");
     assert!(junit.contains("type=\"new\""), "{junit}");
-    assert!(stderr(&output).contains("::error title=new%3A bounce/drop ace free"));
+    assert!(stderr(&output).contains("::error title=new%3A objects/boulder ace free"));
     assert!(
         folder
             .text("summary.md")

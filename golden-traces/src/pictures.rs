@@ -12,22 +12,22 @@
 //!
 //! `docs/foxglove.md` says how to look at them.
 
+mod shapes;
+mod trace;
+
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::{Read, Seek, Write};
+use std::io::{Seek, Write};
 
 use foxglove::Encode;
 use foxglove::messages::{
-    ArrowPrimitive, Color, CylinderPrimitive, FrameTransform, FrameTransforms, KeyValuePair,
-    LinePrimitive, Log, Point3, Pose, Quaternion, SceneEntity, SceneEntityDeletion, SceneUpdate,
-    TextPrimitive, Timestamp, Vector3, line_primitive, log, scene_entity_deletion,
+    FrameTransforms, Log, SceneEntity, SceneEntityDeletion, SceneUpdate, log, scene_entity_deletion,
 };
 use mcap::records::MessageHeader;
 use mcap::{McapError, McapResult};
 
-use ac_client::frame::FrameStates;
+pub use trace::of_trace;
 
-use crate::GoldenError;
-use crate::trace::{ChannelKind, TraceEvent, TraceReader};
+use shapes::{IDENTITY, border, figure, path, stamp, transform};
 
 /// Side of a landblock, m.
 const LANDBLOCK: f64 = 192.0;
@@ -113,40 +113,6 @@ fn add_channel<T: Encode, W: Write + Seek>(
     };
     mcap.add_channel(schema, topic, &T::get_message_encoding(), &BTreeMap::new())
 }
-
-fn stamp(time: u64) -> Option<Timestamp> {
-    let seconds = u32::try_from(time / 1_000_000_000).ok()?;
-    Some(Timestamp::new(seconds, (time % 1_000_000_000) as u32))
-}
-
-const fn color([r, g, b, a]: [f64; 4]) -> Color {
-    Color { r, g, b, a }
-}
-
-const fn point([x, y, z]: [f64; 3]) -> Point3 {
-    Point3 { x, y, z }
-}
-
-const fn pose([x, y, z]: [f64; 3], [qw, qx, qy, qz]: [f64; 4]) -> Pose {
-    Pose {
-        position: Some(Vector3 { x, y, z }),
-        orientation: Some(Quaternion {
-            x: qx,
-            y: qy,
-            z: qz,
-            w: qw,
-        }),
-    }
-}
-
-const IDENTITY: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
-/// Turns +x, where arrows point, to +y, where objects look.
-const TO_Y: [f64; 4] = [
-    std::f64::consts::FRAC_1_SQRT_2,
-    0.0,
-    0.0,
-    std::f64::consts::FRAC_1_SQRT_2,
-];
 
 impl Place {
     /// South-west corner of the landblock in the world, m.
@@ -340,120 +306,6 @@ impl<W: Write + Seek> PictureWriter<W> {
     }
 }
 
-fn transform(
-    time: u64,
-    parent: &str,
-    child: &str,
-    [x, y, z]: [f64; 3],
-    [w, qx, qy, qz]: [f64; 4],
-) -> FrameTransform {
-    FrameTransform {
-        timestamp: stamp(time),
-        parent_frame_id: parent.into(),
-        child_frame_id: child.into(),
-        translation: Some(Vector3 { x, y, z }),
-        rotation: Some(Quaternion {
-            x: qx,
-            y: qy,
-            z: qz,
-            w,
-        }),
-    }
-}
-
-fn entity(time: u64, frame: &str, id: String) -> SceneEntity {
-    SceneEntity {
-        timestamp: stamp(time),
-        frame_id: frame.into(),
-        id,
-        frame_locked: true,
-        ..SceneEntity::default()
-    }
-}
-
-/// A cylinder of a person's size, an arrow forward, and the label.
-fn figure(time: u64, id: &str, look: &Look) -> SceneEntity {
-    let frame = format!("object/{id}");
-    let facts = look.facts.iter();
-    SceneEntity {
-        metadata: facts
-            .map(|(key, value)| KeyValuePair {
-                key: key.clone(),
-                value: value.clone(),
-            })
-            .collect(),
-        cylinders: vec![CylinderPrimitive {
-            pose: Some(pose([0.0, 0.0, 0.9], IDENTITY)),
-            size: Some(Vector3 {
-                x: 0.6,
-                y: 0.6,
-                z: 1.8,
-            }),
-            bottom_scale: 1.0,
-            top_scale: 1.0,
-            color: Some(color(look.color)),
-        }],
-        arrows: vec![ArrowPrimitive {
-            pose: Some(pose([0.0, 0.0, 1.2], TO_Y)),
-            shaft_length: 0.7,
-            shaft_diameter: 0.1,
-            head_length: 0.3,
-            head_diameter: 0.25,
-            color: Some(color([1.0, 1.0, 1.0, look.color[3]])),
-        }],
-        texts: vec![TextPrimitive {
-            pose: Some(pose([0.0, 0.0, 2.2], IDENTITY)),
-            billboard: true,
-            font_size: 14.0,
-            scale_invariant: true,
-            color: Some(color([1.0, 1.0, 1.0, 1.0])),
-            text: look.label.clone(),
-        }],
-        ..entity(time, &frame, frame.clone())
-    }
-}
-
-fn line(kind: line_primitive::Type, points: Vec<Point3>, colour: [f64; 4]) -> LinePrimitive {
-    LinePrimitive {
-        r#type: kind as i32,
-        pose: Some(pose([0.0; 3], IDENTITY)),
-        thickness: 2.0,
-        scale_invariant: true,
-        points,
-        color: Some(color(colour)),
-        ..LinePrimitive::default()
-    }
-}
-
-fn path(time: u64, id: &str, look: &Look, points: &[[f64; 3]]) -> SceneEntity {
-    let points = points.iter().map(|&p| point(p)).collect();
-    let [r, g, b, _] = look.color;
-    SceneEntity {
-        lines: vec![line(
-            line_primitive::Type::LineStrip,
-            points,
-            [r, g, b, 0.6],
-        )],
-        ..entity(time, ORIGIN, format!("path/{id}"))
-    }
-}
-
-/// The border of a landblock, at the height where it was first entered.
-fn border(time: u64, landblock: u32, [x, y, z]: [f64; 3]) -> SceneEntity {
-    let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
-    let points = corners
-        .map(|(u, v)| point([x + u * LANDBLOCK, y + v * LANDBLOCK, z]))
-        .to_vec();
-    SceneEntity {
-        lines: vec![line(
-            line_primitive::Type::LineLoop,
-            points,
-            [0.5, 0.5, 0.5, 0.6],
-        )],
-        ..entity(time, ORIGIN, format!("landblock/{landblock:04X}"))
-    }
-}
-
 impl Object {
     /// Adds a point to the path when the object has moved far enough. Says whether the path is to be drawn again.
     fn extend(&mut self, at: [f64; 3]) -> bool {
@@ -472,93 +324,6 @@ impl Object {
         self.path.push(at);
         self.path.len() > 1
     }
-}
-
-/// Draws a trace: what was produced in blue, what is expected transparent in a colour for each oracle, inputs as log.
-///
-/// # Errors
-/// The trace cannot be read, or the pictures cannot be written.
-pub fn of_trace<R: Read, W: Write + Seek>(
-    trace: &mut TraceReader<R>,
-    out: W,
-    library: &str,
-    path: &std::path::Path,
-) -> Result<PictureCounts, GoldenError> {
-    let failed = |error: McapError| GoldenError::Io {
-        path: path.into(),
-        source: std::io::Error::other(error.to_string()),
-    };
-    let mut pictures = PictureWriter::new(out, library).map_err(failed)?;
-    let scene = trace.scene().name.clone();
-    pictures
-        .log(0, Level::Info, "scene", scene)
-        .map_err(failed)?;
-    let (mut states, mut now) = (FrameStates::new(), 0);
-    trace.select(|kind| !matches!(kind, ChannelKind::Stages(_) | ChannelKind::Clock));
-    while let Some(event) = trace.next_event(&mut states)? {
-        match event {
-            TraceEvent::Script(step) => {
-                let text = serde_json::to_string(&*step).unwrap_or_default();
-                pictures.log(now, Level::Info, "script", text)
-            }
-            TraceEvent::States { kind, time, .. } => {
-                now = (time.max(0.0) * 1e9) as u64;
-                let (prefix, color) = style(kind);
-                draw(&mut pictures, now, &prefix, color, &states)
-            }
-            TraceEvent::Clock(_) | TraceEvent::Stages { .. } => Ok(()),
-        }
-        .map_err(failed)?;
-    }
-    let (mut out, counts) = pictures.finish().map_err(failed)?;
-    out.flush().map_err(|source| GoldenError::Io {
-        path: path.into(),
-        source,
-    })?;
-    Ok(counts)
-}
-
-/// Prefix of the ids, and colour.
-fn style(kind: &ChannelKind) -> (String, [f64; 4]) {
-    match kind {
-        ChannelKind::Expect(oracle) => {
-            let color = match oracle.as_str() {
-                "ace" => [1.0, 0.6, 0.1, 0.4],
-                "gdle" => [0.2, 0.8, 0.3, 0.4],
-                _ => [0.8, 0.3, 0.8, 0.4],
-            };
-            (format!("{oracle}/"), color)
-        }
-        _ => (String::new(), [0.2, 0.5, 1.0, 1.0]),
-    }
-}
-
-fn draw<W: Write + Seek>(
-    pictures: &mut PictureWriter<W>,
-    time: u64,
-    prefix: &str,
-    color: [f64; 4],
-    states: &FrameStates,
-) -> McapResult<()> {
-    for state in states.iter() {
-        let id = format!("{prefix}{:08X}", state.guid);
-        if state.cell == 0 {
-            pictures.remove(time, &id)?;
-            continue;
-        }
-        let look = Look {
-            label: id.clone(),
-            color,
-            facts: Vec::new(),
-        };
-        let place = Place {
-            cell: state.cell,
-            origin: state.origin,
-            rotation: state.rotation,
-        };
-        pictures.place(time, &id, &look, &place)?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

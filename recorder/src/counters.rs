@@ -79,6 +79,37 @@ impl Counts {
     }
 }
 
+/// Says what was lost since the last time.
+pub fn complain(before: &Counts, now: &Counts) {
+    let slow = now.unwritten_slow - before.unwritten_slow;
+    if slow > 0 {
+        tracing::error!(
+            datagrams = slow,
+            in_all = now.unwritten_slow,
+            "NOT RECORDED: the disk is too slow. Datagrams are still passed on"
+        );
+    }
+    let failed = now.unwritten_failed - before.unwritten_failed;
+    if failed > 0 {
+        tracing::error!(
+            datagrams = failed,
+            in_all = now.unwritten_failed,
+            "NOT RECORDED: the file cannot be written. Datagrams are still passed on"
+        );
+    }
+    let dropped = now.system_dropped - before.system_dropped;
+    if dropped > 0 {
+        tracing::warn!(
+            datagrams = dropped,
+            "LOST: the system dropped datagrams because this program was not fast enough"
+        );
+    }
+    let full = now.too_many_clients - before.too_many_clients;
+    if full > 0 {
+        tracing::warn!(logins = full, "too many clients; see --max-clients");
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -123,7 +123,7 @@ impl Decoder {
         let checks = out[before..]
             .iter()
             .map(|m| messages::check(&m.bytes, m.stream.direction()));
-        match checks.filter_map(Result::err).last() {
+        match checks.filter_map(Result::err).next_back() {
             Some(error) => Finding::Message(error.to_string()),
             None => finding,
         }

@@ -73,4 +73,12 @@ pub enum RecordError {
         /// What is wrong.
         reason: String,
     },
+    /// The demonstration server cannot run.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Demo(Box<crate::demo_server::shell::ShellError>),
+    /// The scripted client cannot play.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Play(Box<crate::play::shell::PlayError>),
 }

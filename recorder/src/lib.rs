@@ -23,5 +23,6 @@ pub mod proxy;
 pub mod relay;
 pub mod scan;
 pub mod secrets;
+pub mod signals;
 pub mod sockets;
 pub mod stats;

@@ -15,12 +15,14 @@ use tokio::net::UdpSocket;
 use tokio::task::{AbortHandle, JoinSet};
 
 use crate::clock::Clock;
-use crate::counters::{Counters, Counts, add};
+use crate::counters::{self, Counters, Counts, add};
 use crate::disk::{Disk, DiskConfig, DiskReport, Files, Storage};
 use crate::error::RecordError;
 use crate::format::Stream;
 use crate::relay::{ClientNumber, FromClient, FromServer, Relay, RelayLimits, ToServer, next_port};
 use crate::sockets::{self, Drops};
+
+pub use crate::signals::asked_to_stop;
 
 /// What a proxy is started with.
 #[derive(Debug, Clone)]
@@ -198,14 +200,14 @@ impl Shared {
         let mut buffer = vec![0; LARGEST];
         loop {
             match self.socket(port).recv_from(&mut buffer).await {
-                Ok((n, from)) => self.from_client(port, from, &buffer[..n]).await,
+                Ok((n, from)) => self.client_sent(port, from, &buffer[..n]).await,
                 // Some systems report an unreachable client here.
                 Err(_) => tokio::time::sleep(Duration::from_millis(1)).await,
             }
         }
     }
 
-    async fn from_client(self: &Arc<Self>, port: Port, from: SocketAddr, bytes: &[u8]) {
+    async fn client_sent(self: &Arc<Self>, port: Port, from: SocketAddr, bytes: &[u8]) {
         let received = self.clock.stamp();
         add(&self.counters.from_clients, 1);
         let Some((route, socket)) = self.route_client(port, from, bytes) else {
@@ -291,7 +293,7 @@ impl Shared {
             let mut buffer = vec![0; LARGEST];
             loop {
                 match own.recv_from(&mut buffer).await {
-                    Ok((n, from)) => shared.from_server(client, from, &buffer[..n]).await,
+                    Ok((n, from)) => shared.server_sent(client, from, &buffer[..n]).await,
                     // Some systems report an unreachable port here; the server may come back.
                     Err(_) => tokio::time::sleep(Duration::from_millis(50)).await,
                 }
@@ -301,7 +303,7 @@ impl Shared {
         Ok(())
     }
 
-    async fn from_server(&self, client: ClientNumber, from: SocketAddr, bytes: &[u8]) {
+    async fn server_sent(&self, client: ClientNumber, from: SocketAddr, bytes: &[u8]) {
         let received = self.clock.stamp();
         add(&self.counters.from_server, 1);
         let answer = {
@@ -362,7 +364,7 @@ impl Shared {
             // Reads a table of the system, which may be long.
             let _ = tokio::task::spawn_blocking(move || own.look_for_drops()).await;
             let now = self.counters.counts();
-            complain(&said, &now);
+            counters::complain(&said, &now);
             said = now;
         }
     }
@@ -375,51 +377,4 @@ impl Shared {
         }
         while routes.readers.try_join_next().is_some() {}
     }
-}
-
-/// Says what was lost since the last time.
-fn complain(before: &Counts, now: &Counts) {
-    let slow = now.unwritten_slow - before.unwritten_slow;
-    if slow > 0 {
-        tracing::error!(
-            datagrams = slow,
-            in_all = now.unwritten_slow,
-            "NOT RECORDED: the disk is too slow. Datagrams are still passed on"
-        );
-    }
-    let failed = now.unwritten_failed - before.unwritten_failed;
-    if failed > 0 {
-        tracing::error!(
-            datagrams = failed,
-            in_all = now.unwritten_failed,
-            "NOT RECORDED: the file cannot be written. Datagrams are still passed on"
-        );
-    }
-    let dropped = now.system_dropped - before.system_dropped;
-    if dropped > 0 {
-        tracing::warn!(
-            datagrams = dropped,
-            "LOST: the system dropped datagrams because this program was not fast enough"
-        );
-    }
-    let full = now.too_many_clients - before.too_many_clients;
-    if full > 0 {
-        tracing::warn!(logins = full, "too many clients; see --max-clients");
-    }
-}
-
-/// Done when the process is asked to end: Ctrl-C, or SIGTERM where there is one.
-pub async fn asked_to_stop() {
-    #[cfg(unix)]
-    {
-        use tokio::signal::unix::{SignalKind, signal};
-        if let Ok(mut terminate) = signal(SignalKind::terminate()) {
-            tokio::select! {
-                _ = terminate.recv() => {}
-                _ = tokio::signal::ctrl_c() => {}
-            }
-            return;
-        }
-    }
-    let _ = tokio::signal::ctrl_c().await;
 }

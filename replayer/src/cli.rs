@@ -3,6 +3,7 @@
 //! Exit codes: 0 = done; 1 = `dat check` found faults, or `seek` another state than the trace holds; 2 = it could not be done (the message says what, where, and what to do).
 
 use std::{
+    collections::BTreeMap,
     fs::File,
     io::BufWriter,
     num::NonZeroU32,
@@ -29,6 +30,7 @@ use crate::{
     Simulation, Simulator,
     client::{ClientSimulator, PlanChoice, SceneRun},
     keyframes::{self, Identity},
+    packets::{self, command::PacketArgs},
     replay::{Detail, Replay, last_frame, replay_frames},
 };
 
@@ -48,7 +50,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Run a scene and write what every tracked entity did as a trace.
+    /// Run a scene or a packet recording and write what every tracked entity did as a trace.
     Run(RunArgs),
     /// Go to a frame of a trace by its keyframes and print the state there; exit code 1 if the trace holds another one.
     Seek(keyframes::SeekArgs),
@@ -62,7 +64,7 @@ enum Command {
 
 #[derive(clap::Args)]
 struct RunArgs {
-    /// A scene (`*.scene.json`), or a trace (`*.mcap`) whose scene is run again.
+    /// A scene (`*.scene.json`), a trace (`*.mcap`) whose scene is run again, or a packet recording of ac-record (`*.mcap`).
     input: PathBuf,
     /// Folder of the worlds. Default: the bundled worlds.
     #[arg(long)]
@@ -101,6 +103,8 @@ struct RunArgs {
     /// The trace to write.
     #[arg(short, long)]
     output: PathBuf,
+    #[command(flatten)]
+    packets: PacketArgs,
     /// Also write the trace as pictures for Foxglove and Rerun, an MCAP file (docs/foxglove.md).
     #[arg(long, value_name = "FILE")]
     foxglove: Option<PathBuf>,
@@ -140,7 +144,58 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// Replays a packet recording.
+fn run_packets(args: &RunArgs, bytes: &[u8]) -> miette::Result<()> {
+    let refused = [
+        args.plan.is_some(),
+        args.checkpoints,
+        args.keyframes.is_some(),
+        args.from.is_some(),
+        args.to.is_some(),
+        args.foxglove.is_some(),
+    ];
+    if refused.contains(&true) {
+        return Err(miette!(
+            help = "leave out --plan, --checkpoints, --keyframes, --from, --to and --foxglove",
+            "{} is a packet recording: it is replayed from its start, and written as states only",
+            args.input.display()
+        ));
+    }
+    let worlds = keyframes::worlds(args.worlds.as_deref());
+    let profile = keyframes::profile_for(args.profile.as_deref(), "").into_diagnostic()?;
+    let (session, scene) = args.packets.open(bytes, &args.input)?;
+    let info = TraceInfo {
+        version: FormatVersion::CURRENT,
+        scene: scene.name.clone(),
+        producer: concat!("ac-replay ", env!("CARGO_PKG_VERSION")).into(),
+        profile: profile.name.into(),
+        world: world_of(&scene, &worlds)?,
+    };
+    let simulator = ClientSimulator::new(&worlds);
+    let output = &args.output;
+    let text = packets::command::run(session, &scene, &simulator, &profile, &info, output)?;
+    print!("{text}");
+    Ok(())
+}
+
+/// Hashes of the files of a scene's world.
+fn world_of(scene: &Scene, worlds: &Path) -> miette::Result<BTreeMap<String, String>> {
+    hash_world(&worlds.join(&scene.world))
+        .into_diagnostic()
+        .wrap_err_with(|| {
+            format!(
+                "the world `{}` is not under {}; name its folder with --worlds",
+                scene.world,
+                worlds.display()
+            )
+        })
+}
+
 fn run(args: &RunArgs) -> miette::Result<()> {
+    // What cannot be read is reported where it is read as a scene.
+    if let Some(bytes) = packets::recording_at(&args.input) {
+        return run_packets(args, &bytes);
+    }
     let worlds = keyframes::worlds(args.worlds.as_deref());
     let plan = PlanChoice::parse(args.plan.as_deref(), args.force_plan).into_diagnostic()?;
     let outputs = Outputs {
@@ -287,15 +342,7 @@ struct Input {
 /// The input, and what a trace of it says about itself; the profile is that of the input, if it has one.
 fn about(args: &RunArgs, worlds: &Path) -> miette::Result<(Input, TraceInfo)> {
     let (input, profile) = read(&args.input).into_diagnostic()?;
-    let world = hash_world(&worlds.join(&input.scene.world))
-        .into_diagnostic()
-        .wrap_err_with(|| {
-            format!(
-                "the world `{}` is not under {}; name its folder with --worlds",
-                input.scene.world,
-                worlds.display()
-            )
-        })?;
+    let world = world_of(&input.scene, worlds)?;
     let info = TraceInfo {
         version: FormatVersion::CURRENT,
         scene: input.scene.name.clone(),

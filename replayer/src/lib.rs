@@ -10,6 +10,7 @@ pub mod cli;
 pub mod client;
 pub mod dat_cmd;
 pub mod keyframes;
+pub mod packets;
 pub mod plan_cmd;
 pub mod replay;
 pub mod simulation;

@@ -173,9 +173,7 @@ impl Case {
     pub fn step(&mut self) {
         self.frame += 1;
         for &id in &self.moving {
-            if let Some(entity) = self.world.entity_mut(id) {
-                entity.begin_frame();
-            }
+            self.world.entities.begin_frame(id);
         }
         if self.turn_every != 0 && self.frame.is_multiple_of(self.turn_every) {
             self.turn_all();

@@ -22,6 +22,7 @@ mod source;
 
 mod part;
 mod part_array;
+mod placing;
 mod simple_setup;
 
 pub use completion::{CompletionRun, MotionNotice};

@@ -78,6 +78,12 @@ impl AnimSequenceNode {
         }
     }
 
+    /// The animation; `None` for one that is missing.
+    #[inline]
+    pub(super) fn animation(&self) -> Option<&Arc<Animation>> {
+        self.animation.as_ref()
+    }
+
     /// Id of the animation; 0 for an animation that is missing.
     pub fn animation_id(&self) -> u32 {
         self.animation.as_ref().map_or(0, |a| a.id)
@@ -132,6 +138,12 @@ impl AnimSequenceNode {
         frames.is_some_and(|frames| !frames.is_empty())
     }
 
+    /// Whether frames of the animation have hooks.
+    #[inline]
+    pub(super) fn has_hooks(&self) -> bool {
+        self.animation.as_ref().is_some_and(|a| a.has_hooks())
+    }
+
     /// All hooks of the animation, of whatever frame and direction.
     pub fn hooks(&self) -> impl Iterator<Item = &AnimationHook> {
         let animation = self.animation.iter();
@@ -139,6 +151,7 @@ impl AnimSequenceNode {
     }
 
     /// Whether velocity acts while this node plays: at a rate within ε of zero one frame would take too long to divide by.
+    #[inline]
     pub(super) fn rate_counts(&self) -> bool {
         self.rate.abs() > EPSILON
     }

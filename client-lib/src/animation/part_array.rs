@@ -7,6 +7,7 @@ use super::error::{AnimationError, MotionTableError, PartArrayError};
 use super::hooks::AnimHookQueue;
 use super::motion_table_manager::{MotionRequest, MotionTableManager};
 use super::part::PhysicsPart;
+use super::placing::Pending;
 use super::sequence::{Placement, Sequence};
 use super::simple_setup::simple_setup;
 use super::source::AnimationSource;
@@ -29,11 +30,19 @@ pub struct PartArray {
     /// The motion table, if one was assigned.
     pub motion_table: Option<MotionTableManager>,
     /// Parts by index; a part that could not be made is `None`. Particle objects start with empty slots.
+    ///
+    /// Where they are is up to date after [`PartArray::settle_parts`].
     pub parts: Vec<Option<PhysicsPart>>,
     /// Animation hooks that wait to be executed, in order.
     pub hooks: AnimHookQueue,
     pub(crate) setup: Option<Arc<Setup>>,
     pub(crate) scale: Vec3,
+    /// Places that the parts wait for.
+    pub(crate) pending: Pending,
+    /// Some part can be collided with by its physics BSP.
+    pub(crate) has_bsp_part: bool,
+    /// The quanta of the object change nothing but the frame number of what is played, until somebody changes the object.
+    pub(crate) stands_still: bool,
     /// Of the setup: see [`PartArray::obstacle_reach`].
     pub(crate) obstacle_reach: f32,
 }
@@ -47,6 +56,9 @@ impl PartArray {
             hooks: AnimHookQueue::new(),
             setup: None,
             scale: Vec3::ONE,
+            pending: Pending::NOTHING,
+            has_bsp_part: false,
+            stands_still: false,
             obstacle_reach: 0.0,
         }
     }
@@ -65,6 +77,7 @@ impl PartArray {
         let mut array = Self::empty();
         array.take_setup(Arc::new(simple_setup(&shape)));
         array.parts = vec![Some(PhysicsPart::new(shape))];
+        array.has_bsp_part = array.has_physics_bsp();
         array.set_placement_frame(DEFAULT_PLACEMENT);
         Ok(array)
     }
@@ -134,6 +147,8 @@ impl PartArray {
             (None, MissingTables::Empty) => Arc::new(Setup::empty(0)),
         };
         self.parts.clear();
+        self.has_bsp_part = false;
+        self.pending.clear();
         // The stored pose belongs to the old setup.
         self.sequence.placement = Placement::default();
         self.take_setup(Arc::clone(&setup));
@@ -164,6 +179,7 @@ impl PartArray {
                 .ok_or(PartArrayError::MissingShape { part: i, shape: id })?;
             let mut part = PhysicsPart::new(shape);
             part.scale = setup.scales.get(i).copied().unwrap_or(Vec3::ONE);
+            self.has_bsp_part |= part.has_physics_bsp();
             *slot = Some(part);
         }
         Ok(())
@@ -226,20 +242,6 @@ impl PartArray {
             .update(quantum, offset, &mut self.hooks, profile)
     }
 
-    /// Places the parts by the present pose (`SetFrame`, `UpdateParts`). `frame` is the object's, in landblock coordinates. Parts without a
-    /// pose frame stay where they are.
-    pub fn update_parts(&mut self, frame: &Frame, profile: &Profile) {
-        let Some(pose) = pose_of(&self.sequence, self.setup.as_deref()) else {
-            return;
-        };
-        for (part, local) in self.parts.iter_mut().zip(pose) {
-            if let Some(part) = part {
-                let origin = local.origin * self.scale;
-                part.position.frame = frame.combine_origin(origin, local.rotation, profile);
-            }
-        }
-    }
-
     /// Cell id of all parts.
     pub fn set_cell_id(&mut self, cell: CellId) {
         for part in self.existing_parts_mut() {
@@ -290,6 +292,7 @@ impl PartArray {
                 _ => all = false,
             }
         }
+        self.has_bsp_part = self.has_physics_bsp();
         all
     }
 
@@ -317,6 +320,8 @@ impl PartArray {
     pub fn morph_to(&mut self, other: &Self) {
         self.setup.clone_from(&other.setup);
         self.obstacle_reach = other.obstacle_reach;
+        self.pending.clone_from(&other.pending);
+        self.has_bsp_part = other.has_bsp_part;
         self.scale = other.scale;
         self.parts.clone_from(&other.parts);
         self.sequence.placement = other.sequence.placement;
@@ -529,7 +534,10 @@ fn reach_of(setup: &Setup) -> f32 {
 }
 
 /// The pose of the current animation frame, or the placement while nothing plays.
-fn pose_of<'a>(sequence: &'a Sequence, setup: Option<&'a Setup>) -> Option<&'a [StoredFrame]> {
+pub(super) fn pose_of<'a>(
+    sequence: &'a Sequence,
+    setup: Option<&'a Setup>,
+) -> Option<&'a [StoredFrame]> {
     if sequence.current_index().is_some() {
         return sequence.current_pose();
     }

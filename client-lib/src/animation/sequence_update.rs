@@ -19,7 +19,9 @@ const HOOK_LIMIT: usize = 1 << 16;
 /// Which way frames are crossed.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Playing {
+    /// Root motion is added.
     Up,
+    /// Root motion is taken off again.
     Down,
 }
 
@@ -32,6 +34,15 @@ struct Update<'a> {
     velocity: Vec3,
     omega: Vec3,
     steps_left: u32,
+}
+
+/// `N-01`: rounds to f32 where the frame number is one. One f64 operation on f32 values, rounded, is the f32 operation.
+#[inline]
+fn narrow(x: f64, profile: &Profile) -> f64 {
+    match profile.frame_number {
+        Width::F64 => x,
+        Width::F32 => f64::from(x as f32),
+    }
 }
 
 impl Sequence {
@@ -47,6 +58,9 @@ impl Sequence {
         hooks: &mut AnimHookQueue,
         profile: &Profile,
     ) -> Result<(), AnimationError> {
+        if self.advance_within_node(t, offset.is_some(), profile) {
+            return Ok(());
+        }
         let mut update = Update {
             hooks_before: hooks.len(),
             offset,
@@ -64,6 +78,33 @@ impl Sequence {
         let result = self.play(t, &mut update);
         self.drop_played();
         result
+    }
+
+    /// The plain case of an update, forwards and within the current node: no frame is crossed, or nothing comes of those that are. `false`: it is
+    /// not, and nothing was done.
+    fn advance_within_node(&mut self, t: f64, moves: bool, profile: &Profile) -> bool {
+        /// Frames that may be crossed here.
+        const FEW: f64 = 1000.0;
+        let Some(node) = self.nodes.front().filter(|_| self.current == Some(0)) else {
+            return false;
+        };
+        let t = narrow(t, profile);
+        let advance = narrow(f64::from(node.rate) * t, profile);
+        let (before, frame) = (
+            self.frame_number,
+            narrow(self.frame_number + advance, profile),
+        );
+        let stays =
+            advance > 0.0 && advance < FEW && before >= 0.0 && frame < f64::from(node.high) + 1.0;
+        if !stays {
+            return false;
+        }
+        let crosses = before as i64 != frame as i64;
+        if crosses && (moves || node.has_hooks()) {
+            return false;
+        }
+        self.frame_number = frame;
+        true
     }
 
     /// Plays nodes until the time is used up (`update_internal`).
@@ -136,7 +177,7 @@ impl Sequence {
             |rate| {
                 if forwards { rate < 0.0 } else { rate >= 0.0 }
             },
-            Frame::subtract_animation,
+            Playing::Down,
         );
         let next = if forwards {
             (current + 1).min(tail)
@@ -154,7 +195,7 @@ impl Sequence {
             |rate| {
                 if forwards { rate > 0.0 } else { rate < 0.0 }
             },
-            Frame::combine,
+            Playing::Up,
         );
     }
 
@@ -165,23 +206,19 @@ impl Sequence {
         t: f64,
         update: &mut Update<'_>,
         is_due: impl Fn(f32) -> bool,
-        apply: fn(&Frame, &Frame, &Profile) -> Frame,
+        playing: Playing,
     ) {
         if let Some(node) = self.nodes.get(index)
             && is_due(node.rate)
         {
-            update.move_by(node, node.pos_frame(self.current_frame()), apply, t);
+            update.move_by(node, node.pos_frame(self.current_frame()), playing, t);
         }
     }
 }
 
 impl Update<'_> {
-    /// `N-01`: rounds to f32 where the frame number is one. One f64 operation on f32 values, rounded, is the f32 operation.
     fn narrow(&self, x: f64) -> f64 {
-        match self.profile.frame_number {
-            Width::F64 => x,
-            Width::F32 => f64::from(x as f32),
-        }
+        narrow(x, self.profile)
     }
 
     fn step(&mut self, node: &AnimSequenceNode) -> Result<(), AnimationError> {
@@ -223,10 +260,9 @@ impl Update<'_> {
         now: f64,
         t: f64,
     ) -> Result<(), AnimationError> {
-        let (step, direction, apply): (_, _, fn(&Frame, &Frame, &Profile) -> Frame) = match playing
-        {
-            Playing::Up => (1.0, HookDirection::FORWARD, Frame::combine),
-            Playing::Down => (-1.0, HookDirection::BACKWARD, Frame::subtract_animation),
+        let (step, direction) = match playing {
+            Playing::Up => (1.0, HookDirection::FORWARD),
+            Playing::Down => (-1.0, HookDirection::BACKWARD),
         };
         while if playing == Playing::Up {
             now > last
@@ -235,7 +271,7 @@ impl Update<'_> {
         } {
             self.step(node)?;
             let index = last as i32;
-            self.move_by(node, node.pos_frame(index), apply, t);
+            self.move_by(node, node.pos_frame(index), playing, t);
             self.execute_hooks(node, index, direction)?;
             last += step;
         }
@@ -265,14 +301,19 @@ impl Update<'_> {
         &mut self,
         node: &AnimSequenceNode,
         pos_frame: Option<&StoredFrame>,
-        apply: fn(&Frame, &Frame, &Profile) -> Frame,
+        playing: Playing,
         t: f64,
     ) {
         let Some(offset) = self.offset.as_deref_mut() else {
             return;
         };
         if let Some(b) = pos_frame {
-            *offset = apply(offset, &Frame::new(b.origin, b.rotation), self.profile);
+            *offset = match playing {
+                Playing::Up => offset.combine_origin(b.origin, b.rotation, self.profile),
+                Playing::Down => {
+                    offset.subtract_animation(&Frame::new(b.origin, b.rotation), self.profile)
+                }
+            };
         }
         if node.rate_counts() {
             self.apply_physics(1.0 / f64::from(node.rate), t);

@@ -103,6 +103,12 @@ impl Animation {
         })
     }
 
+    /// Whether any frame has hooks.
+    #[must_use]
+    pub fn has_hooks(&self) -> bool {
+        !self.hooks.is_empty()
+    }
+
     /// All frames in order.
     pub fn frames(&self) -> impl Iterator<Item = AnimFrameRef<'_>> {
         (0..self.frame_count()).filter_map(|i| self.frame(i))

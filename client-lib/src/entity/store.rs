@@ -147,9 +147,18 @@ impl Entities {
         self.slots.get_mut(id.0 as usize)?.as_deref_mut()
     }
 
-    /// The object keeps its clock itself.
+    /// Somebody may change the object: it keeps its clock itself, and no longer counts as standing still.
     #[inline]
     fn wake(&mut self, id: EntityId) {
+        if let Some(Some(entity)) = self.slots.get_mut(id.0 as usize) {
+            entity.note_stand(false);
+        }
+        self.end_rest(id);
+    }
+
+    /// The object keeps its clock itself.
+    #[inline]
+    fn end_rest(&mut self, id: EntityId) {
         let Some(clock) = self.resting.get_mut(id.0 as usize) else {
             return;
         };
@@ -160,6 +169,22 @@ impl Entities {
             entity.kin.update_time = *clock;
         }
         *clock = AWAKE;
+    }
+
+    /// Takes an object out for its own tick, to be [put](Entities::put) back.
+    #[inline]
+    pub(crate) fn take_for_tick(&mut self, id: EntityId) -> Option<Box<Entity>> {
+        self.end_rest(id);
+        self.slots.get_mut(id.0 as usize)?.take()
+    }
+
+    /// Has an object forget what was recorded of its last frame; see [`Entity::begin_frame`]. Not a change of the object: it goes on resting,
+    /// or standing still.
+    #[inline]
+    pub fn begin_frame(&mut self, id: EntityId) {
+        if let Some(Some(entity)) = self.slots.get_mut(id.0 as usize) {
+            entity.begin_frame();
+        }
     }
 
     /// The clock of an object that rests, s.

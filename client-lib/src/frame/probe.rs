@@ -103,6 +103,9 @@ pub struct StageView<'a> {
 
 /// An observer of the stages of an entity's tick.
 pub trait Probe {
+    /// Whether it looks at anything. If not, stages that change nothing need not run.
+    const OBSERVES: bool = true;
+
     /// Called directly before a stage.
     #[inline(always)]
     fn before(&mut self, _view: StageView<'_>) {}
@@ -116,4 +119,6 @@ pub trait Probe {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NoProbe;
 
-impl Probe for NoProbe {}
+impl Probe for NoProbe {
+    const OBSERVES: bool = false;
+}

@@ -1,5 +1,7 @@
 //! Frames: an origin and a rotation, with the rotation's matrix kept beside it (`spec/01`, section 7).
 
+use glam::Vec4;
+
 use super::Vec3;
 use super::quat::Quat;
 use super::trig::{acos, cos, sin};
@@ -11,12 +13,14 @@ use crate::profile::{Profile, RotateVector, RotationVector, UndoCombine, Unmoved
 /// The matrix of the rotation is computed whenever the rotation is written and read by every transformation of a point: a frame is
 /// transformed through far more often than it turns. Retail name: `AFrame`, `Frame`.
 #[derive(Debug, Clone, Copy)]
+#[repr(C)]
 pub struct Frame {
+    /// Row i is the image of local axis i in the parent's space. The fields are in this order so that every vector is followed by a number
+    /// and can be read as four lanes at once.
+    rows: [Vec3; 3],
     /// Place of the local origin in the parent's space, m.
     pub origin: Vec3,
     rotation: Quat,
-    /// Row i is the image of local axis i in the parent's space.
-    rows: [Vec3; 3],
 }
 
 impl Frame {
@@ -61,6 +65,12 @@ impl Frame {
         self.rotation
     }
 
+    /// The matrix as it is kept: row i is the image of local axis i in the parent's space.
+    #[inline]
+    pub(crate) const fn rows(&self) -> &[Vec3; 3] {
+        &self.rows
+    }
+
     /// The axes as the profile computes them: row i is the image of local axis i in the parent's space. Profile `ace` builds
     /// the matrix in another form (`spec/oracles.md`, 4.2).
     pub fn axes(&self, profile: &Profile) -> [Vec3; 3] {
@@ -88,6 +98,24 @@ impl Frame {
         self.set_rotation_raw(rotation.normalized(profile));
     }
 
+    /// The rows of the matrix as lanes; the fourth lane means nothing.
+    #[inline(always)]
+    fn row_lanes(&self) -> [Vec4; 3] {
+        let ([r0, r1, r2], o) = (&self.rows, &self.origin);
+        [
+            Vec4::new(r0.x, r0.y, r0.z, r1.x),
+            Vec4::new(r1.x, r1.y, r1.z, r2.x),
+            Vec4::new(r2.x, r2.y, r2.z, o.x),
+        ]
+    }
+
+    /// The origin as lanes; the fourth lane means nothing.
+    #[inline(always)]
+    fn origin_lanes(&self) -> Vec4 {
+        let o = &self.origin;
+        Vec4::new(o.x, o.y, o.z, self.rotation.w)
+    }
+
     #[inline]
     fn cache(&mut self) {
         let Quat { w, x, y, z } = self.rotation;
@@ -100,32 +128,32 @@ impl Frame {
     }
 
     /// A direction of this space in the parent's space.
-    #[inline]
+    #[inline(always)]
     pub fn local_to_global_vec(&self, p: Vec3, profile: &Profile) -> Vec3 {
         match profile.rotate_vector {
             RotateVector::Matrix => {
-                let [r0, r1, r2] = &self.rows;
-                r0 * p.x + r1 * p.y + r2 * p.z
+                let [r0, r1, r2] = self.row_lanes();
+                (r0 * p.x + r1 * p.y + r2 * p.z).truncate()
             }
             RotateVector::Quaternion => self.rotation.rotate(p),
         }
     }
 
     /// A point of this space in the parent's space.
-    #[inline]
+    #[inline(always)]
     pub fn local_to_global(&self, p: Vec3, profile: &Profile) -> Vec3 {
         match profile.rotate_vector {
             // The origin is the first term.
             RotateVector::Matrix => {
-                let [r0, r1, r2] = &self.rows;
-                self.origin + r0 * p.x + r1 * p.y + r2 * p.z
+                let [r0, r1, r2] = self.row_lanes();
+                (self.origin_lanes() + r0 * p.x + r1 * p.y + r2 * p.z).truncate()
             }
             RotateVector::Quaternion => self.origin + self.rotation.rotate(p),
         }
     }
 
     /// A direction of the parent's space in this space.
-    #[inline]
+    #[inline(always)]
     pub fn global_to_local_vec(&self, p: Vec3, profile: &Profile) -> Vec3 {
         match profile.rotate_vector {
             RotateVector::Matrix => Vec3::new(
@@ -138,7 +166,7 @@ impl Frame {
     }
 
     /// A point of the parent's space in this space.
-    #[inline]
+    #[inline(always)]
     pub fn global_to_local(&self, p: Vec3, profile: &Profile) -> Vec3 {
         self.global_to_local_vec(p - self.origin, profile)
     }

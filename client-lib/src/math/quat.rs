@@ -1,5 +1,7 @@
 //! Quaternions in the order w, x, y, z (`spec/01`, section 6).
 
+use glam::Vec4;
+
 use super::vector::EPSILON;
 use super::{Vec3, vector};
 use crate::profile::{Profile, RotateVector};
@@ -29,16 +31,17 @@ impl Quat {
     /// The product `self · rhs`: first `rhs`, then `self`. Terms are added in the order of the specification (6.1).
     #[inline]
     pub fn product(self, rhs: Self) -> Self {
+        // Lanes w, x, y, z. A difference is the sum with the negated term, bit for bit.
         let (a, b) = (self, rhs);
-        Self {
-            w: a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
-            x: a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-            y: a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-            z: a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
-        }
+        let sum = Vec4::new(b.w, b.x, b.y, b.z) * a.w
+            + Vec4::new(-b.x, b.w, -b.z, b.y) * a.x
+            + Vec4::new(-b.y, b.z, b.w, -b.x) * a.y
+            + Vec4::new(-b.z, -b.y, b.x, b.w) * a.z;
+        Self::new(sum.x, sum.y, sum.z, sum.w)
     }
 
     /// The conjugate `(w, −x, −y, −z)`.
+    #[inline]
     pub fn conjugate(self) -> Self {
         Self::new(self.w, -self.x, -self.y, -self.z)
     }
@@ -55,6 +58,7 @@ impl Quat {
     }
 
     /// Sum of the products of the components: w, x, y, z.
+    #[inline]
     pub fn dot(self, rhs: Self) -> f32 {
         self.w * rhs.w + self.x * rhs.x + self.y * rhs.y + self.z * rhs.z
     }
@@ -103,6 +107,7 @@ impl Quat {
     }
 
     /// Rotates a vector by the quaternion form of `spec/oracles.md`, 4.2 (profile `ace`).
+    #[inline(never)]
     pub(super) fn rotate(self, v: Vec3) -> Vec3 {
         let Self { w, x, y, z } = self;
         let (x2, y2, z2) = (x + x, y + y, z + z);
@@ -130,6 +135,7 @@ impl Quat {
     }
 
     /// Rotates a vector back through [`Quat::matrix_rows`]; the sum ends with an addition of 0, which turns −0 into 0.
+    #[inline(never)]
     pub(super) fn rotate_back(self, v: Vec3) -> Vec3 {
         let rows = self.matrix_rows();
         Vec3::new(v.dot(rows[0]), v.dot(rows[1]), v.dot(rows[2])) + Vec3::ZERO

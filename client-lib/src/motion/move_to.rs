@@ -88,6 +88,11 @@ pub struct MoveToManager {
 }
 
 impl MoveToManager {
+    /// Whether there is nothing to do in a quantum.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
     /// An idle manager; `now` in s.
     pub fn new(now: f64) -> Self {
         let sample = DistanceSample {

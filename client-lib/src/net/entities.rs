@@ -28,7 +28,7 @@ use crate::motion::Character;
 use crate::physics::attachment::Attachment;
 use crate::physics::body::EntityId;
 use crate::physics::network::{MovementVerdict, Stamp, is_newer};
-use crate::physics::placement::{PlacementFlags, SetPosition};
+use crate::physics::placement::{PlacementFlags, SetPosition, SetPositionError};
 use crate::world::World;
 
 /// An object that the server has described.
@@ -63,6 +63,8 @@ pub enum Dropped {
     NotAttachable,
     /// The local player is not deleted.
     LocalPlayer,
+    /// The player cannot be put where the server says; it stays in portal space.
+    NoRoom,
 }
 
 /// What a message did.
@@ -448,8 +450,7 @@ impl GameEntities {
             return Err(Dropped::Old(Stamp::Teleport));
         }
         if player && self.autonomous_player {
-            self.place_player(id, &position, s.teleport, world);
-            return Ok(());
+            return self.place_player(id, &position, s.teleport, world);
         }
         world.with_entity(id, |e, world| {
             e.unset_parent(world);
@@ -463,19 +464,35 @@ impl GameEntities {
     }
 
     /// A position of the player that decides its own: only a teleport moves it.
-    fn place_player(&mut self, id: EntityId, place: &Position, teleport: u16, world: &mut World) {
+    fn place_player(
+        &mut self,
+        id: EntityId,
+        place: &Position,
+        teleport: u16,
+        world: &mut World,
+    ) -> Result {
         if !event(id, Stamp::Teleport, teleport, world) {
-            return;
+            return Ok(());
         }
-        world.with_entity(id, |e, world| {
+        let placed = world.with_entity(id, |e, world| {
             e.unset_parent(world);
             e.teleport_hook(world);
             let flags = PlacementFlags::TELEPORT | PlacementFlags::DONT_CREATE_CELLS;
-            e.set_position(&SetPosition::new(*place, flags), world);
+            let mut placed = e.set_position(&SetPosition::new(*place, flags), world);
+            if placed != SetPositionError::Ok {
+                // A placement is exact, and the server's place may be on the edge of a cell: beside it is better than where the player was.
+                placed = e.set_position_simple(place, true, world);
+            }
             e.set_velocity(Vec3::ZERO, world);
+            placed
         });
         self.enter_portal_space();
-        self.has_arrived = true;
+        self.has_arrived = placed == Some(SetPositionError::Ok);
+        if self.has_arrived {
+            Ok(())
+        } else {
+            Err(Dropped::NoRoom)
+        }
     }
 
     fn enter_portal_space(&mut self) {

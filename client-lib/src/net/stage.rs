@@ -167,6 +167,11 @@ impl NetworkStage {
         }
     }
 
+    /// Whether no message waits for its object.
+    pub const fn waiting_is_empty(&self) -> bool {
+        self.entities.waiting().is_empty()
+    }
+
     fn note(&mut self, note: StageNote) {
         if self.notes.len() < MAX_NOTES {
             self.notes.push(note);

@@ -90,6 +90,7 @@ impl Entity {
             if std::mem::take(&mut holder.unposed) {
                 holder.update_parts(world);
             }
+            holder.settle_parts(&world.profile);
         });
         let Some(holder) = world.entity_mut(parent) else {
             return false;

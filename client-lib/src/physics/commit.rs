@@ -39,8 +39,7 @@ impl Entity {
         if self.body.state.contains(PhysicsState::HAS_PHYSICS_BSP) {
             self.calc_cross_cells(world);
         } else if result.cells.entries().next().is_some() {
-            self.remove_shadows_from_cells(world);
-            self.add_shadows_to_cells(&result.cells, world);
+            self.move_shadows_to_cells(&result.cells, world);
         }
     }
 

@@ -3,6 +3,7 @@
 use crate::entity::Entity;
 use crate::math::{Frame, Position, Quat};
 use crate::physics::state::PhysicsState;
+use crate::profile::Profile;
 use crate::world::World;
 
 impl Entity {
@@ -24,6 +25,13 @@ impl Entity {
         self.update_children(world);
     }
 
+    /// Gives the parts their places, if they wait for them; see [`PartArray::settle_parts`](crate::animation::PartArray::settle_parts).
+    pub fn settle_parts(&mut self, profile: &Profile) {
+        if let Some(parts) = &mut self.body.part_array {
+            parts.settle_parts(profile);
+        }
+    }
+
     /// The parts take the present pose at the present frame (`UpdatePartsInternal`).
     pub(crate) fn update_parts(&mut self, world: &World) {
         let collides = self.body.state.contains(PhysicsState::HAS_PHYSICS_BSP);
@@ -31,8 +39,16 @@ impl Entity {
         if unseen || self.body.state.contains(PhysicsState::PARTICLE_EMITTER) {
             return;
         }
-        if let Some(parts) = &mut self.body.part_array {
-            parts.update_parts(&self.body.position.frame, &world.profile);
+        let Some(parts) = &mut self.body.part_array else {
+            return;
+        };
+        let frame = &self.body.position.frame;
+        let asked_for =
+            self.body.state.contains(PhysicsState::HAS_PHYSICS_BSP) || !self.children.is_empty();
+        if asked_for {
+            parts.update_parts(frame, &world.profile);
+        } else {
+            parts.update_parts_later(frame, &world.profile);
         }
     }
 

@@ -86,6 +86,22 @@ impl Entity {
         }
     }
 
+    /// Takes back all shadows and throws new ones into the cells of a list. Into the same cells again they only go to the end of the lists.
+    pub(crate) fn move_shadows_to_cells(&mut self, cells: &CellArray, world: &mut World) {
+        let stays = self.children.is_empty()
+            && !self.body.state.contains(PhysicsState::PARTICLE_EMITTER)
+            && cells.entries().eq(&self.body.shadows);
+        if !stays {
+            self.remove_shadows_from_cells(world);
+            self.add_shadows_to_cells(cells, world);
+            return;
+        }
+        let object = self.object_ref();
+        for cell in self.body.shadows.iter().filter_map(|entry| entry.cell) {
+            world.land.renew_shadow(cell, object, &world.profile);
+        }
+    }
+
     /// Throws one shadow into each cell of the list, children included (`add_shadows_to_cells`).
     pub(crate) fn add_shadows_to_cells(&mut self, cells: &CellArray, world: &mut World) {
         self.add_shadows_at_depth(cells, world, 0);
@@ -144,6 +160,7 @@ impl Entity {
 
     /// Finds the cells this object touches where it is, and throws its shadows there (`calc_cross_cells`).
     pub(crate) fn calc_cross_cells(&mut self, world: &mut World) {
+        self.settle_parts(&world.profile);
         let mut cells = std::mem::take(&mut world.scratch.cells);
         world.cells_of_body(&self.body, &mut cells);
         self.remove_shadows_from_cells(world);

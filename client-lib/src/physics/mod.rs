@@ -33,6 +33,7 @@ mod rest_tests;
 mod special_objects;
 pub mod state;
 mod state_change;
+mod still;
 #[cfg(test)]
 mod tests;
 pub mod transition;

@@ -74,7 +74,7 @@ impl World {
             self.entities.rest(id, clock);
             return;
         }
-        let Some(mut entity) = self.entities.take(id) else {
+        let Some(mut entity) = self.entities.take_for_tick(id) else {
             return;
         };
         self.note_tick(&entity);
@@ -251,7 +251,17 @@ impl Entity {
             self.break_off(quantum, &world.profile);
             return;
         }
-        let wanted = self.update_position(quantum, world, probe);
+        let stood = !P::OBSERVES && self.end_stand();
+        if stood && self.stand(quantum, world) {
+            self.note_stand(true);
+            return;
+        }
+        let (before, calm) = (self.body.position.frame, self.kin.is_calm());
+        let mut offset = Frame::IDENTITY;
+        if !stood {
+            self.animation_stage(&mut offset, quantum, world, probe);
+        }
+        let wanted = self.integrate_stage(&mut offset, quantum, world, probe);
         let Some(outcome) = self.move_to_wanted(wanted, quantum.narrow, world, probe) else {
             return;
         };
@@ -260,6 +270,9 @@ impl Entity {
             dt: quantum.narrow,
             outcome,
         });
+        let stands =
+            calm && outcome == Outcome::None && self.comes_to_stand(&before, &offset, world);
+        self.note_stand(stands);
     }
 
     /// Whether the profile's interpolation has broken this object (O-38): its update ends in every quantum where the offset is adjusted.
@@ -292,24 +305,46 @@ impl Entity {
         world: &mut World,
         probe: &mut P,
     ) -> Frame {
-        let hidden = self.body.state.contains(PhysicsState::HIDDEN);
         let mut offset = Frame::IDENTITY;
-        if !hidden {
+        self.animation_stage(&mut offset, quantum, world, probe);
+        self.integrate_stage(&mut offset, quantum, world, probe)
+    }
+
+    /// Root motion (B5 step 2), added to `offset`.
+    fn animation_stage<P: Probe>(
+        &mut self,
+        offset: &mut Frame,
+        quantum: Quantum,
+        world: &mut World,
+        probe: &mut P,
+    ) {
+        if !self.body.state.contains(PhysicsState::HIDDEN) {
             let stage = (TickStage::Animation, quantum.narrow);
-            self.staged_offset(stage, &mut offset, world, probe, |e, offset, world| {
+            self.staged_offset(stage, offset, world, probe, |e, offset, world| {
                 e.animate(offset, quantum.narrow, &world.profile);
             });
         }
+    }
+
+    /// Managers, integration and hooks (B5 steps 3 to 6): the frame the object wants to have.
+    fn integrate_stage<P: Probe>(
+        &mut self,
+        offset: &mut Frame,
+        quantum: Quantum,
+        world: &mut World,
+        probe: &mut P,
+    ) -> Frame {
+        let hidden = self.body.state.contains(PhysicsState::HIDDEN);
         if self.position_manager.is_some() {
             let stage = (TickStage::Adjust, quantum.narrow);
-            self.staged_offset(stage, &mut offset, world, probe, |e, offset, world| {
+            self.staged_offset(stage, offset, world, probe, |e, offset, world| {
                 e.adjust_offset(offset, quantum.wide, world);
             });
         }
-        let mut frame = self.body.position.frame.combine(&offset, &world.profile);
+        let mut frame = self.body.position.frame.combine(offset, &world.profile);
         if !hidden {
             let data = StageData::Integrate {
-                offset: &offset,
+                offset,
                 frame: &frame,
             };
             observe(
@@ -329,7 +364,7 @@ impl Entity {
                 &world.profile,
             );
             let data = StageData::Integrate {
-                offset: &offset,
+                offset,
                 frame: &frame,
             };
             observe(
@@ -383,17 +418,27 @@ impl Entity {
 
     /// Advances the animation; its root motion counts on walkable ground only (B5 step 2).
     pub(crate) fn animate(&mut self, offset: &mut Frame, quantum: f32, profile: &Profile) {
-        if let Some(parts) = &mut self.body.part_array
-            && let Err(error) = parts.update(f64::from(quantum), Some(offset), profile)
-        {
-            tracing::warn!(guid = self.body.guid, %error, "animation stopped");
-        }
+        self.advance_animation(Some(offset), quantum, profile);
         // A multiplication: root motion that is not a number stays one.
         offset.origin *= if self.kin.transient.contains(TransientState::ON_WALKABLE) {
             self.body.scale
         } else {
             0.0
         };
+    }
+
+    /// Plays on for `quantum` s.
+    pub(crate) fn advance_animation(
+        &mut self,
+        offset: Option<&mut Frame>,
+        quantum: f32,
+        profile: &Profile,
+    ) {
+        if let Some(parts) = &mut self.body.part_array
+            && let Err(error) = parts.update(f64::from(quantum), offset, profile)
+        {
+            tracing::warn!(guid = self.body.guid, %error, "animation stopped");
+        }
     }
 
     /// Moves to the wanted frame as far as the world lets it (B4 steps 6 and 7). `None`: the rest of the quantum does not run.

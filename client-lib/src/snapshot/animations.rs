@@ -251,6 +251,12 @@ impl Stored for PartArray {
             scale,
             // Of the setup.
             obstacle_reach: _,
+            // Of the parts.
+            has_bsp_part: _,
+            // The parts are stored where they will be: see `EntitiesForm::settle`.
+            pending: _,
+            // Found out again.
+            stands_still: _,
         } = self;
         PartArrayForm {
             sequence: sequence.store(),
@@ -280,6 +286,7 @@ impl Stored for PartArray {
         array.parts = Stored::restore(parts, by)?;
         array.hooks = Stored::restore(hooks, by)?;
         array.scale = Stored::restore(scale, by)?;
+        array.has_bsp_part = array.has_physics_bsp();
         Ok(array)
     }
 

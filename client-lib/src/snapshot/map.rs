@@ -206,6 +206,7 @@ fn store_room(room: &EnvCell) -> RoomForm {
         // The record and what is made of it.
         position: _,
         shape: _,
+        volume: _,
         portals: _,
         stab_list: _,
         seen_outside: _,

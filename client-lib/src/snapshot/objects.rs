@@ -20,6 +20,7 @@ use crate::physics::managers::{
 };
 use crate::physics::state::{PhysicsState, TransientState};
 use crate::physics::transition::{CellArray, CellArrayEntry, LeftFields, TransitionSlots};
+use crate::profile::Profile;
 use crate::world::CellHandle;
 
 #[cfg(test)]
@@ -260,6 +261,23 @@ stored!(
 pub(super) struct EndingForm {
     entity: u32,
     how: HowForm,
+}
+
+impl EntitiesForm {
+    /// Parts that wait for their places are stored where they will be.
+    pub(super) fn settle(&mut self, entities: &Entities, profile: &Profile) {
+        for (form, entity) in self.slots.iter_mut().zip(&entities.slots) {
+            let (Some(form), Some(entity)) = (form, entity) else {
+                continue;
+            };
+            let waiting = entity.body.part_array.as_ref();
+            if let Some(parts) = waiting.filter(|parts| parts.waits_for_places()) {
+                let mut settled = parts.clone();
+                settled.settle_parts(profile);
+                form.body.part_array = Some(settled).store();
+            }
+        }
+    }
 }
 
 impl Stored for Entities {

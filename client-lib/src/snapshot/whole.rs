@@ -68,10 +68,12 @@ pub(super) fn store(world: &World) -> Result<WorldForm, SnapshotError> {
         // Nothing of it is ever read.
         spare_entity: _,
     } = scratch;
+    let mut stored_entities = entities.store();
+    stored_entities.settle(entities, &world.profile);
     Ok(WorldForm {
         clock: clock.store(),
         land: map::store(land),
-        entities: entities.store(),
+        entities: stored_entities,
         slots: slots.store(),
         random: random.store(),
         local_player: local_player.store(),

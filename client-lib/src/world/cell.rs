@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use super::room_volume::RoomVolume;
 use super::terrain::WaterType;
 use super::{CellHandle, World};
 use crate::dat;
@@ -42,6 +43,8 @@ pub struct EnvCell {
     pub position: Position,
     /// Geometry, shared with all cells of the same kind. Empty if its record is missing: such a cell contains everything and stops nothing.
     pub shape: Arc<CellShape>,
+    /// The volume of `shape` where the cell is.
+    pub volume: RoomVolume,
     /// Openings in order.
     pub portals: Vec<CellPortal>,
     /// Indoor cells visible from here.

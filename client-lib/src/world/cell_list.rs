@@ -7,7 +7,9 @@ use arrayvec::ArrayVec;
 
 use super::CellHandle;
 use super::cell::{BuildingPortal, CellRef, EnvCell, LandCellRef, PortalTarget};
+use super::cell_list_memo::CellListMemo;
 use super::landscape::{Landscape, Missing};
+use super::room_volume::Quick;
 use super::terrain::CELLS;
 use crate::animation::{PartArray, PhysicsPart};
 use crate::math::{
@@ -24,6 +26,8 @@ use crate::profile::{
 
 /// Cylspheres of an object that count for its cell list.
 const MAX_CYL_SPHERES: usize = 10;
+/// A list holds at most within this distance, m.
+const LONGEST_HOLD: f32 = 10.0;
 /// Portal index that means "no portal leads back".
 const NO_PORTAL: u16 = 0xFFFF;
 /// Cells to each side of a part that its box can add. Shapes are smaller than a block (8 cells); this bounds what a damaged one can cost.
@@ -53,6 +57,8 @@ pub struct CellListOutcome {
     pub hits_interior_cell: bool,
     /// What must be loaded first.
     pub missing: Missing,
+    /// No sphere that moves less far than this, m, makes another list; 0 where nothing is known about that.
+    pub holds_within: f32,
 }
 
 /// The list under construction, and what goes with it.
@@ -81,7 +87,10 @@ impl Landscape {
             land: self,
             profile,
             array,
-            outcome: CellListOutcome::default(),
+            outcome: CellListOutcome {
+                holds_within: LONGEST_HOLD,
+                ..CellListOutcome::default()
+            },
             has_outside: false,
         };
         list.find(at);
@@ -204,6 +213,9 @@ impl Landscape {
                 if env.portals.is_empty() && !profile.portalless_cell_contains {
                     return false;
                 }
+                if let Some(quick) = env.volume.contains(point) {
+                    return quick.answer;
+                }
                 let local = env.position.frame.global_to_local(point, profile);
                 env.shape.contains(local)
             }
@@ -251,9 +263,14 @@ impl Transition<'_> {
             want_current: current.is_some(),
         };
         let world = self.world;
-        let outcome = world
-            .land
-            .find_cell_list(at, &mut self.cells, &world.profile);
+        let profile = &world.profile;
+        let known = self.list_memo.and_then(|memo| memo.answer(at));
+        let outcome = known.unwrap_or_else(|| {
+            let outcome = world.land.find_cell_list(at, &mut self.cells, profile);
+            // C-01: entries stay, and the next list is another.
+            self.list_memo = CellListMemo::new(at, outcome).filter(|_| profile.cell_array_emptied);
+            outcome
+        });
         self.path.hits_interior_cell |= outcome.hits_interior_cell;
         self.note_missing(outcome.missing);
         if let (Some(current), Some(found)) = (current, outcome.current) {
@@ -266,6 +283,15 @@ impl Transition<'_> {
         if self.missing.is_none() {
             self.missing = missing.0.map(|demand| demand.cell);
         }
+    }
+}
+
+/// A list holds no farther than the answers it depends on, and an exact one holds nowhere else.
+#[inline]
+fn note_hold(outcome: &mut CellListOutcome, quick: Option<Quick>) {
+    let hold = quick.map_or(0.0, |quick| quick.holds_within);
+    if hold < outcome.holds_within {
+        outcome.holds_within = hold;
     }
 }
 
@@ -319,6 +345,7 @@ impl Builder<'_> {
         while k < self.array.cells.len() {
             match self.array.cells[k].cell.and_then(|c| self.land.cell(c)) {
                 Some(CellRef::Land(land)) => {
+                    self.outcome.holds_within = 0.0;
                     self.add_all_outside_cells(at);
                     self.transit_building(land, at);
                 }
@@ -354,6 +381,11 @@ impl Builder<'_> {
                 continue;
             };
             let point = at.spheres[0].center - block_offset(at.position.cell, entry.id);
+            let quick = match cell {
+                CellRef::Env(env) => env.volume.contains(point),
+                CellRef::Land(_) => None,
+            };
+            note_hold(&mut self.outcome, quick);
             if !self.land.point_in_cell(cell, point, self.profile) {
                 continue;
             }
@@ -395,6 +427,7 @@ impl Builder<'_> {
             return;
         }
         self.has_outside = true;
+        self.outcome.holds_within = 0.0;
         if at.spheres.is_empty() {
             if let Some(coord) = at.position.outside_cell(self.profile).land_coord() {
                 self.add_outside_cell(coord.x, coord.y);
@@ -478,6 +511,7 @@ impl Builder<'_> {
             };
             let PortalTarget::Cell(id) = portal.target else {
                 // The plane only, not the polygon.
+                self.outcome.holds_within = 0.0;
                 outside |= at
                     .spheres
                     .iter()
@@ -492,6 +526,7 @@ impl Builder<'_> {
                     }
                 }
                 None => {
+                    self.outcome.holds_within = 0.0;
                     let reached = |(d, r): (f32, f32)| {
                         (d > -r && portal.portal_side) || (d < r && !portal.portal_side)
                     };
@@ -516,13 +551,22 @@ impl Builder<'_> {
     }
 
     /// Whether a sphere (block coordinates) reaches into the volume of an indoor cell.
-    fn touches_env_cell(&self, handle: CellHandle, spheres: &[Sphere]) -> bool {
-        self.land
-            .env_cell(handle)
-            .is_some_and(|env| spheres.iter().any(|s| self.sphere_touches(env, s)))
+    fn touches_env_cell(&mut self, handle: CellHandle, spheres: &[Sphere]) -> bool {
+        let Some(env) = self.land.env_cell(handle) else {
+            return false;
+        };
+        spheres.iter().any(|sphere| {
+            let quick = env.volume.touches(sphere.center, sphere.radius);
+            note_hold(&mut self.outcome, quick);
+            quick.map_or_else(
+                || self.sphere_touches_exactly(env, sphere),
+                |quick| quick.answer,
+            )
+        })
     }
 
-    fn sphere_touches(&self, env: &EnvCell, sphere: &Sphere) -> bool {
+    #[inline(never)]
+    fn sphere_touches_exactly(&self, env: &EnvCell, sphere: &Sphere) -> bool {
         let center = env
             .position
             .frame

@@ -27,6 +27,8 @@ pub(crate) const FIRST_SLOT: u32 = 2;
 pub(crate) const BROKEN: u32 = u32::MAX;
 /// Indoor cells that are noted as absent.
 const MAX_ABSENT_ROOMS: u32 = 1 << 16;
+/// Number of the first indoor cell of a block.
+const FIRST_ROOM: usize = 0x100;
 /// Blocks of the largest possible id space, existing or not.
 const BLOCK_NUMBERS: usize = 1 << 16;
 
@@ -227,9 +229,15 @@ impl Landscape {
     fn env_slot(&self, id: CellId) -> Option<u32> {
         let entry = self.room_table[usize::from(id.block())];
         let rooms = self.rooms.get(entry.checked_sub(FIRST_SLOT)? as usize)?;
-        let at = rooms
-            .binary_search_by_key(&(id.low() as u16), |&(low, _)| low)
-            .ok()?;
+        let low = id.low() as u16;
+        // Where it is if all rooms before it are loaded, which is the rule.
+        let guess = usize::from(low).wrapping_sub(FIRST_ROOM);
+        if let Some(&(there, slot)) = rooms.get(guess)
+            && there == low
+        {
+            return Some(slot);
+        }
+        let at = rooms.binary_search_by_key(&low, |&(low, _)| low).ok()?;
         Some(rooms[at].1)
     }
 

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use super::cell::{BuildingPortal, CellBase, CellPortal, EnvCell, LandCell, PortalTarget};
 use super::landscape::{Demand, LandBlock, Landscape, Missing};
+use super::room_volume::RoomVolume;
 use super::statics::{StaticKind, StaticObject, frame_of};
 use super::terrain::scenery::{SceneryPlacement, scenery};
 use super::terrain::{CELLS, TerrainBlock, TerrainVertices};
@@ -428,16 +429,15 @@ impl World {
             .map(|p| cell_portal(id, p, &shape))
             .collect();
         let full = |low: &u16| id.with_low(u32::from(*low));
+        let frame = frame_of(&record.frame);
         Some(EnvCell {
             base: CellBase {
                 id,
                 restriction: record.restriction,
                 ..CellBase::default()
             },
-            position: Position {
-                cell: id,
-                frame: frame_of(&record.frame),
-            },
+            position: Position { cell: id, frame },
+            volume: RoomVolume::new(&shape.volume, &frame),
             shape,
             portals,
             stab_list: record.visible_rooms.iter().map(full).collect(),

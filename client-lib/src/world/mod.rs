@@ -10,6 +10,7 @@ mod cell;
 mod cell_array;
 mod cell_collision;
 mod cell_list;
+mod cell_list_memo;
 mod dat_source;
 #[doc(hidden)]
 pub mod fuzzing;
@@ -18,6 +19,7 @@ mod loading;
 mod random;
 mod release;
 mod resources;
+mod room_volume;
 mod scratch;
 mod shadows;
 mod source;
@@ -35,9 +37,11 @@ pub use cell::{
     BuildingPortal, CellBase, CellPortal, CellRef, EnvCell, LandCell, LandCellRef, PortalTarget,
 };
 pub use cell_list::{CellListOutcome, SpheresAt};
+pub use cell_list_memo::CellListMemo;
 pub use landscape::{Demand, LandBlock, Landscape, Missing};
 pub use random::Random;
 pub use resources::{LoadError, Resources};
+pub use room_volume::{Quick, RoomVolume};
 pub use scratch::Scratch;
 pub use source::{Lookup, MemorySource, WorldSource};
 pub use statics::{StaticKind, StaticObject};

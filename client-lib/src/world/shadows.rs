@@ -22,6 +22,24 @@ impl Landscape {
         }
     }
 
+    /// As [`remove_shadow`](Self::remove_shadow) and then [`add_shadow`](Self::add_shadow).
+    pub fn renew_shadow(&mut self, cell: CellHandle, object: ObjectRef, profile: &Profile) {
+        let Some(base) = self.base_mut(cell) else {
+            return;
+        };
+        let shadows = &mut base.shadows;
+        let Some(at) = shadows.iter().position(|&o| o == object) else {
+            shadows.push(object);
+            return;
+        };
+        if profile.list_removal == ListRemoval::SlotsReused {
+            shadows[at..].rotate_left(1);
+        } else {
+            let last = shadows.len() - 1;
+            shadows.swap(at, last);
+        }
+    }
+
     /// Takes back every shadow of an object (8.13, without children).
     pub fn remove_shadows(&mut self, object: ObjectRef, body: &mut Body, profile: &Profile) {
         for entry in body.shadows.drain(..) {

@@ -191,7 +191,7 @@ fn an_expectation_in_a_trace_with_others_is_replaced_in_place() {
     let own = folder.join("own/area/tiny.mcap");
     let before = fs::read(&own).unwrap();
     // The case is the trace itself now: nothing says where to put a new one, and nothing has to.
-    let cases = cases::find(&[own.clone()], None, None).unwrap();
+    let cases = cases::find(std::slice::from_ref(&own), None, None).unwrap();
     let collected = collect(&plain(0.5), &cases, None, || ());
     assert_eq!((collected.scenes, collected.changes.len()), (1, 1));
     write::write(&plain(0.5), folder, &collected.changes[0]).unwrap();

@@ -123,7 +123,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let shrunk = shrink(whole, &mut *judge, args.max_runs, &progress);
     bar.finish_and_clear();
     let shrunk = shrunk.map_err(advice)?;
-    let report = output::write(&args.output, &name, &oracle, &shrunk, &mut *judge);
+    let report = output::write(&args.output, &name, &oracle, &rerun, &shrunk, &mut *judge);
     let report = report.into_diagnostic()?;
     match args.format {
         Format::Human => emit(&human(

@@ -69,8 +69,8 @@ pub fn all() -> Result<Vec<Analytic>, DatError> {
             source: Arc::clone(&source),
             start: Motion {
                 place: [
-                    f64::from(origin[0]) + 0x20 as f64 * 192.0,
-                    f64::from(origin[1]) + 0x20 as f64 * 192.0,
+                    f64::from(origin[0]) + 32.0 * 192.0,
+                    f64::from(origin[1]) + 32.0 * 192.0,
                     f64::from(z),
                 ],
                 velocity: velocity.map(f64::from),

@@ -159,7 +159,7 @@ pub fn order_text(order: Order) -> String {
 /// A length with the unit that suits it.
 pub fn length(metres: f64) -> String {
     match metres {
-        m if m == 0.0 => "0".into(),
+        0.0 => "0".into(),
         m if m < 1e-3 => format!("{:.3} µm", m * 1e6),
         m if m < 1.0 => format!("{:.2} mm", m * 1e3),
         m => format!("{m:.2} m"),

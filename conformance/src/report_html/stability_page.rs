@@ -89,8 +89,9 @@ fn ensembles(body: &mut String, ensembles: &[Ensemble]) {
     body.push_str(
         "<h2>What small changes grow to</h2><p class=\"muted\">Each scene runs again with its start moved by 1 to 8 units in the last place and by 1 µm to 1 mm, \
          and with frames that are longer by units in the last place. Contractive scenes forget the change, neutral ones keep it, growing ones amplify it; in a \
-         discontinuous one something is decided differently and the runs part in one frame. Where frames are as long as the gate of a quantum (1/30 s), rounding of the clock decides \
-         in which frame a quantum runs: those scenes part by the clock, in every implementation.</p>",
+         discontinuous one something is decided differently and the runs part in one frame. Rounding of the clock decides in \
+         which frame a quantum runs that is as long as its gate (1/30 s), and in which quantum a frame of an animation is crossed with its root motion: such scenes part by the \
+         clock, in every implementation, and show the same places a frame earlier or later.</p>",
     );
     body.push_str("<div class=\"scroll\"><table><thead><tr><th>Area</th>");
     for class in CLASSES {

@@ -108,7 +108,8 @@ pub struct Report {
 /// Schema of [`Report`].
 pub const SCHEMA: &str = "ac-conform-shrink/1";
 
-/// Writes everything into a folder: `NAME.scene.json`, `NAME.expect.jsonl`, `worlds/WORLD/*.dat`, `README.md`.
+/// Writes everything into a folder: `NAME.scene.json`, `NAME.expect.jsonl`, `worlds/WORLD/*.dat`, `README.md`. `oracle` is the name that the
+/// expectation gets, `rerun` what `ac-conform run` on the folder needs to show the divergence.
 ///
 /// # Errors
 /// When something cannot be written, or the expectation not be computed.
@@ -116,6 +117,7 @@ pub fn write(
     folder: &Path,
     from: &str,
     oracle: &str,
+    rerun: &str,
     shrunk: &Shrunk,
     judge: &mut dyn Judge,
 ) -> Result<Report, ShrinkError> {
@@ -152,12 +154,12 @@ pub fn write(
         shown: shrunk.shown.clone(),
     };
     let readme = folder.join("README.md");
-    fs::write(&readme, text(&report)).map_err(io(&readme))?;
+    fs::write(&readme, text(&report, rerun)).map_err(io(&readme))?;
     Ok(report)
 }
 
 /// What a person who finds the folder wants to know.
-fn text(report: &Report) -> String {
+fn text(report: &Report, rerun: &str) -> String {
     let Report {
         from,
         oracle,
@@ -173,7 +175,7 @@ fn text(report: &Report) -> String {
         `ac-conform shrink` made this of `{from}`: {} of {} frames, {} of {} entities, {} of {} steps, {} of {} records of the world \
         ({runs} runs).\n\n\
         It shows: frame {}, entity {}, `{}`: expected {}, got {}; first in stage {}.\n\n\
-        The expectation is under the name `{oracle}`. `ac-conform run` on this folder finds the world in it.\n",
+        The expectation is under the name `{oracle}`. Here, `ac-conform run . {rerun}` shows it; the world is found in this folder.\n",
         after.frames,
         before.frames,
         after.entities,

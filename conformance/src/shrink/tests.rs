@@ -75,7 +75,15 @@ fn only_a_named_field_counts_and_is_expected() {
     assert_eq!(small.shown.field_name(), "origin");
     assert!(small.shown.place.divergence.frame >= 0);
     let folder = tempfile::tempdir().unwrap();
-    output::write(folder.path(), "jump/running", "gdle", &small, &mut judge).unwrap();
+    output::write(
+        folder.path(),
+        "jump/running",
+        "gdle",
+        "",
+        &small,
+        &mut judge,
+    )
+    .unwrap();
     let text = fs::read_to_string(folder.path().join("jump-running.expect.jsonl")).unwrap();
     assert!(
         text.contains("\"origin\"") && !text.contains("\"velocity\""),
@@ -135,7 +143,15 @@ fn what_is_written_runs_and_shows_the_divergence() {
     let small = shrunk("objects/boulder", &mut judge, 2000);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    let report = output::write(path, "objects/boulder", "gdle", &small, &mut judge).unwrap();
+    let report = output::write(
+        path,
+        "objects/boulder",
+        "gdle",
+        "--profile retail",
+        &small,
+        &mut judge,
+    )
+    .unwrap();
     assert!(report.bytes < 100_000, "{}", report.bytes);
     let cases = cases::find(&[path.to_owned()], None, None).unwrap();
     let simulator = ClientSimulator::new(path.join("worlds"));

@@ -123,7 +123,8 @@ impl Class {
 pub struct Event {
     /// The frame.
     pub frame: i32,
-    /// What is different: quanta, cell, contact, outcome, collision, motion, plane touched, or nothing that is discrete.
+    /// What is different: quanta, cell, contact, outcome, collision, motion, frame of the
+    /// animation, plane touched, or nothing that is discrete.
     pub kind: &'static str,
     /// Distance before, m.
     pub before: f64,
@@ -259,6 +260,10 @@ fn discrete(a: &FrameState, b: &FrameState) -> Option<&'static str> {
     };
     if moving(a) != moving(b) || a.events != b.events {
         return Some("motion");
+    }
+    let frame = |s: &FrameState| s.anim.as_ref().map(|anim| anim.frame_number.floor());
+    if frame(a) != frame(b) {
+        return Some("animation frame");
     }
     // The same kind of contact with something else.
     let other = |a: Option<[f32; 3]>, b: Option<[f32; 3]>| match (a, b) {

@@ -89,7 +89,7 @@ fn stability(text: &mut String, document: &Value) {
     let total = |path: &str| document.pointer(path).and_then(Value::as_u64).unwrap_or(0);
     let _ = writeln!(
         text,
-        "\nRules over {} scenes: {} hold all of them in every frame, {} violate one as retail does, {} are ours. Small changes at the start of {} scenes: {} contractive, {} neutral, {} growing, {} discontinuous; {} part when the clock is off by rounding, because their frames are as long as the gate of a quantum.\n",
+        "\nRules over {} scenes: {} hold all of them in every frame, {} violate one as retail does, {} are ours. Small changes at the start of {} scenes: {} contractive, {} neutral, {} growing, {} discontinuous; {} part when the clock is off by rounding: a quantum, or a frame of an animation with its root motion, comes a frame earlier or later.\n",
         array(document, "/scenes").len(),
         total("/totals/scenes/holds"),
         total("/totals/scenes/as retail"),

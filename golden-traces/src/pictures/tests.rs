@@ -2,6 +2,7 @@ use std::io::Cursor;
 
 use super::*;
 use crate::corpus;
+use crate::trace::TraceReader;
 
 /// Messages by topic: schema name, encodings, and bytes. Every schema must describe its message.
 fn read(bytes: &[u8]) -> BTreeMap<String, Vec<Vec<u8>>> {
@@ -30,7 +31,7 @@ fn read(bytes: &[u8]) -> BTreeMap<String, Vec<Vec<u8>>> {
 
 /// A schema of protobuf is a set of files; one of them must define the message.
 fn describes(schema: &[u8], name: &str) {
-    let set = <foxglove::prost_types::FileDescriptorSet as prost::Message>::decode(schema)
+    let set = <prost_types::FileDescriptorSet as prost::Message>::decode(schema)
         .expect("a FileDescriptorSet");
     let defined = set.file.iter().flat_map(|file| {
         let package = file.package().to_owned();

@@ -87,7 +87,7 @@ fn create(
         PartInfo { number: part },
         state,
     )
-    .map_err(|(error, _)| error)
+    .map_err(|failed| failed.0)
 }
 
 /// A source with progress.

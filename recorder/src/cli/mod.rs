@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 = done; 1 = something is wrong with what was recorded, read or written (the text says what); 2 = it could not be done.
 
+mod export;
 mod look;
 mod make;
 mod proxy;
@@ -42,7 +43,7 @@ enum Command {
     /// List the messages of a recording.
     Ls(look::LsArgs),
     /// Write the messages of a recording as JSON, one per line, or as pictures for Foxglove and Rerun.
-    Export(look::ExportArgs),
+    Export(export::ExportArgs),
     /// Check every datagram, every message and the index.
     Verify(Inputs),
     /// Save what can be read of a file that was cut off.
@@ -51,6 +52,12 @@ enum Command {
     Import(make::ImportArgs),
     /// Redact a recording again: one that was made with --keep-secrets, or by an older program.
     Redact(make::RedactArgs),
+    /// Show a scene to one client over the game's protocol, on a network as bad as wanted. A development tool: it trusts every login.
+    DemoServer(crate::demo_server::shell::Args),
+    /// Write the golden packet sessions and the traces that are expected of them again.
+    DemoSessions(crate::demo_server::shell::SessionArgs),
+    /// Log in to a server without a screen and do what a script says.
+    Play(crate::play::shell::Args),
     /// Measure what the proxy adds and loses on this machine.
     #[command(hide = true)]
     Bench(crate::measure::bench::BenchArgs),
@@ -100,11 +107,14 @@ fn run(command: Command) -> Result<(String, u8), RecordError> {
         Command::Proxy(args) => proxy::proxy(&args),
         Command::Info(args) => look::info(&args.input),
         Command::Ls(args) => look::ls(&args),
-        Command::Export(args) => look::export(&args),
+        Command::Export(args) => export::export(&args),
         Command::Verify(args) => look::verify(&args.input),
         Command::Recover(args) => make::recover(&args),
         Command::Import(args) => make::import_capture(&args),
         Command::Redact(args) => make::redact(&args),
+        Command::DemoServer(args) => Ok((crate::demo_server::shell::run(&args)?, 0)),
+        Command::DemoSessions(args) => Ok((crate::demo_server::shell::write_sessions(&args)?, 0)),
+        Command::Play(args) => Ok((crate::play::shell::run(&args)?, 0)),
         Command::Bench(args) => crate::measure::bench::run(&args),
         Command::KillTrials(args) => crate::measure::trials::run(&args),
     }

@@ -115,7 +115,7 @@ pub(super) fn proxy(args: &ProxyArgs) -> Result<(String, u8), RecordError> {
     })?;
     let (mut text, code) = told(args, &report);
     if let Some(output) = &args.foxglove {
-        let _ = super::look::draw(&report.disk.files, output, &mut text)?;
+        let _ = super::export::draw(&report.disk.files, output, &mut text)?;
     }
     Ok((text, code))
 }

@@ -22,7 +22,8 @@ use super::{DemoConfig, DemoError, DemoNote, DemoServer, GUEST};
 pub enum Played {
     /// A player that the scene does not know, near its first entity.
     Guest,
-    /// An entity of the scene: its script goes on moving it, as a server moves a player.
+    /// An entity of the scene: its script moves it, as a server moves a player. The client's keys do not count, so that the scene stays what
+    /// it is; where the client says it is is compared.
     Entity(u32),
 }
 
@@ -44,6 +45,15 @@ impl Default for Authority {
     }
 }
 
+/// When a report was made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Age {
+    /// Before the last correction: its keys count, its place does not.
+    BeforeCorrection,
+    /// After everything that the server has done to the player.
+    Current,
+}
+
 /// The player's body and what the client has reported.
 #[derive(Debug)]
 pub(super) struct Avatar {
@@ -55,7 +65,6 @@ pub(super) struct Avatar {
     /// Its motion was last changed by its own input.
     pub autonomous: bool,
     last_action: u32,
-    reported: Option<Position>,
     /// The last move was a jump that the next frame shows.
     pub jumped: bool,
 }
@@ -86,7 +95,6 @@ impl Avatar {
             teleporting: false,
             autonomous: false,
             last_action: 0,
-            reported: None,
             jumped: false,
         })
     }
@@ -173,11 +181,12 @@ impl DemoServer {
             _ => return,
         };
         self.stats.reports += 1;
-        if self.avatar.teleporting || !self.report_is_current(stamps) {
+        let Some(age) = self.age_of(stamps) else {
             return;
-        }
+        };
         let id = self.avatar.id;
         match action {
+            _ if !self.avatar.guest => {}
             GameAction::MoveToState(m) => {
                 let last_action = &mut self.avatar.last_action;
                 self.run.world.with_entity(id, |player, world| {
@@ -195,20 +204,26 @@ impl DemoServer {
             }
             _ => {}
         }
-        self.judge(&position);
+        if age == Age::Current {
+            self.judge(&position);
+        }
     }
 
-    /// Whether a report was made after everything that the server has done to the player.
-    fn report_is_current(&self, stamps: ReportStamps) -> bool {
-        self.known
-            .iter()
-            .find(|known| known.id == self.avatar.id)
-            .is_some_and(|known| {
-                let stored = |stamp: Stamp| known.stamps[stamp as usize];
-                stamps.instance == stored(Stamp::Instance)
-                    && !is_newer(stamps.teleport, stored(Stamp::Teleport))
-                    && !is_newer(stamps.force, stored(Stamp::ForcePosition))
-            })
+    /// When a report was made; `None` if it is of another life of the player, or from before a teleport.
+    fn age_of(&self, stamps: ReportStamps) -> Option<Age> {
+        let known = self.known.iter().find(|known| known.id == self.avatar.id)?;
+        let stored = |stamp: Stamp| known.stamps[stamp as usize];
+        let same_life = stamps.instance == stored(Stamp::Instance);
+        let here = !is_newer(stamps.teleport, stored(Stamp::Teleport));
+        if self.avatar.teleporting || !same_life || !here {
+            return None;
+        }
+        let old = is_newer(stamps.force, stored(Stamp::ForcePosition));
+        Some(if old {
+            Age::BeforeCorrection
+        } else {
+            Age::Current
+        })
     }
 
     /// Compares where the client says it is with where it is.
@@ -229,7 +244,6 @@ impl DemoServer {
         } else {
             f32::INFINITY
         };
-        self.avatar.reported = Some(reported);
         match self.config.authority {
             Authority::Server(over) if distance > over => self.correct(distance),
             Authority::Client if distance > BELIEVED => self.correct(distance),

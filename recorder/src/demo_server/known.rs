@@ -47,6 +47,8 @@ pub(super) struct Hints {
     pub thrown: bool,
     /// It was turned at once.
     pub turned: bool,
+    /// It is the client's own player, which does not follow ordinary positions: what the script did to its place is forced on it.
+    pub own: bool,
     /// A movement other than a state began.
     pub movement: Option<MovementData>,
     /// It began to stick to an object.
@@ -253,6 +255,8 @@ impl Known {
         }
         if hints.teleported {
             self.raise(Stamp::Teleport);
+        } else if hints.turned && hints.own {
+            self.raise(Stamp::ForcePosition);
         }
         let at_once = hints.teleported || hints.turned;
         let due = stopped || now - self.sent_at >= interval;

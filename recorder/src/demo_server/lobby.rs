@@ -95,7 +95,8 @@ impl DemoServer {
             return;
         }
         if self.config.played == Played::Guest {
-            let about = player_description(self.config.abilities);
+            let told = self.config.told.unwrap_or(self.config.abilities);
+            let about = player_description(told);
             self.say_event(GameEvent::PlayerDescription(Box::new(about)));
         }
         let guid = self.player();

@@ -9,6 +9,7 @@ mod describe;
 mod known;
 mod lobby;
 pub mod loopback;
+pub mod sessions;
 pub mod shell;
 mod steps;
 #[cfg(test)]
@@ -57,6 +58,8 @@ pub struct DemoConfig {
     pub position_interval: f64,
     /// What a guest can do.
     pub abilities: Abilities,
+    /// What it is told that it can do, if that is something else: it will have to be put right.
+    pub told: Option<Abilities>,
     /// The transport.
     pub session: ServerConfig,
 }
@@ -72,6 +75,7 @@ impl DemoConfig {
             authority: Authority::default(),
             position_interval: 0.5,
             abilities: Abilities::default(),
+            told: None,
             session: ServerConfig::default(),
         }
     }

@@ -22,6 +22,7 @@ impl DemoServer {
         let player = hints.entry(self.player()).or_default();
         // The last to move the player is either its client or the script.
         self.avatar.autonomous &= !player.scripted;
+        player.own = true;
         player.autonomous = self.avatar.autonomous;
         player.thrown |= core::mem::take(&mut self.avatar.jumped);
         let mut out = Vec::new();

@@ -38,6 +38,11 @@ pub fn part_path(first: &Path, number: u32) -> PathBuf {
     first.with_file_name(name)
 }
 
+/// There is a file of this name.
+fn is_taken(error: &RecordError) -> bool {
+    matches!(error, RecordError::File { source, .. } if source.kind() == std::io::ErrorKind::AlreadyExists)
+}
+
 enum State {
     Writing(Box<Part>),
     /// Nothing is written; when to try again.
@@ -98,7 +103,7 @@ impl DiskWriter {
         let path = this.config.output.clone();
         match this.open(&path, start) {
             Ok(()) => Ok(this),
-            Err((error, _)) => Err(error),
+            Err(failed) => Err(failed.0),
         }
     }
 
@@ -107,12 +112,12 @@ impl DiskWriter {
         &mut self,
         path: &Path,
         state: Continuation,
-    ) -> Result<(), (RecordError, Continuation)> {
+    ) -> Result<(), Box<(RecordError, Continuation)>> {
         let medium = match self.storage.create(path) {
             Ok(medium) => medium,
             Err(source) => {
                 let path = path.into();
-                return Err((RecordError::File { path, source }, state));
+                return Err(Box::new((RecordError::File { path, source }, state)));
             }
         };
         let part = PartInfo {
@@ -144,15 +149,14 @@ impl DiskWriter {
                     tracing::info!(file = %path.display(), "recording goes on");
                     return;
                 }
-                Err((RecordError::File { source, .. }, back))
-                    if source.kind() == std::io::ErrorKind::AlreadyExists =>
-                {
+                Err(failed) => {
+                    let (error, back) = *failed;
+                    if !is_taken(&error) {
+                        self.number -= 1;
+                        self.fail(&error, back);
+                        return;
+                    }
                     state = back;
-                }
-                Err((error, back)) => {
-                    self.number -= 1;
-                    self.fail(&error, back);
-                    return;
                 }
             }
         }

@@ -83,7 +83,7 @@ fn secrets_are_kept_only_when_asked_for_and_the_file_says_so() {
     let state = Continuation::new(SharedSecrets::default());
     let out = Cursor::new(Vec::new());
     let mut writer = RecordingWriter::part(out, options, PartInfo { number: 1 }, state)
-        .map_err(|(e, _)| e)
+        .map_err(|failed| failed.0)
         .expect("memory");
     writer.write(STREAM, 5, &login()).expect("memory");
     let bytes = writer.finish().expect("memory").into_inner();

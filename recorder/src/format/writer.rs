@@ -103,7 +103,7 @@ impl<W: Write + Seek> RecordingWriter<W> {
     pub fn new(out: W) -> Result<Self, RecordError> {
         let start = Continuation::new(SharedSecrets::default());
         Self::part(out, WriterOptions::default(), PartInfo { number: 1 }, start)
-            .map_err(|(error, _)| error)
+            .map_err(|failed| failed.0)
     }
 
     /// Starts a part of a recording.
@@ -115,7 +115,7 @@ impl<W: Write + Seek> RecordingWriter<W> {
         options: WriterOptions,
         part: PartInfo,
         state: Continuation,
-    ) -> Result<Self, (RecordError, Continuation)> {
+    ) -> Result<Self, Box<(RecordError, Continuation)>> {
         match start(out, options, part, state.number) {
             Ok((mcap, index, counters)) => Ok(Self {
                 mcap,
@@ -126,7 +126,7 @@ impl<W: Write + Seek> RecordingWriter<W> {
                 state,
                 waiting: (0, 0),
             }),
-            Err(error) => Err((error, state)),
+            Err(error) => Err(Box::new((error, state))),
         }
     }
 

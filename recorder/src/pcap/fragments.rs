@@ -90,7 +90,7 @@ impl Fragments {
     ) -> Option<Vec<u8>> {
         self.forget_old(time);
         let end = offset + data.len();
-        if data.is_empty() || end > LARGEST || (more && data.len() % 8 != 0) {
+        if data.is_empty() || end > LARGEST || (more && !data.len().is_multiple_of(8)) {
             self.lost += 1;
             return None;
         }

@@ -22,6 +22,7 @@ pub use script::params as move_parameters;
 pub use snapshot::SCENE_VERSION;
 pub(crate) use snapshot::to_json as snapshot_to_json;
 
+use crate::packets::{self, PacketRun, Recording, Session};
 use crate::simulation::{Simulation, SimulationError, Simulator};
 
 /// Runs scenes with the client library. The worlds' files are opened once and shared.
@@ -29,6 +30,8 @@ use crate::simulation::{Simulation, SimulationError, Simulator};
 pub struct ClientSimulator {
     /// Folder whose subfolders are the worlds.
     worlds: PathBuf,
+    /// Folder of the packet recordings that scenes name.
+    packets: PathBuf,
     opened: Mutex<BTreeMap<String, Arc<DatSet>>>,
     plan: PlanChoice,
     outputs: Outputs,
@@ -37,10 +40,12 @@ pub struct ClientSimulator {
 }
 
 impl ClientSimulator {
-    /// A simulator for the worlds in a folder.
+    /// A simulator for the worlds in a folder. Packet recordings are looked for in the folder `packets` beside it.
     pub fn new(worlds: impl Into<PathBuf>) -> Self {
+        let worlds = worlds.into();
         Self {
-            worlds: worlds.into(),
+            packets: worlds.with_file_name(packets::AREA),
+            worlds,
             opened: Mutex::default(),
             plan: PlanChoice::default(),
             outputs: Outputs::default(),
@@ -113,6 +118,17 @@ impl ClientSimulator {
         SceneRun::planned(scene, source, profile, plan)
     }
 
+    /// The session that a scene of the feature `packets` stands for: `packets/NAME.mcap`.
+    fn session(&self, scene: &Scene) -> Result<Arc<Session>, SimulationError> {
+        let name = scene.name.strip_prefix("packets/").unwrap_or(&scene.name);
+        let path = self.packets.join(format!("{name}.mcap"));
+        let found = Recording::open(&path).and_then(|r| Session::find(&r, None, &path));
+        found.map(Arc::new).map_err(|error| SimulationError::Scene {
+            scene: scene.name.clone(),
+            reason: error.to_string(),
+        })
+    }
+
     /// The dat files of a world.
     ///
     /// # Errors
@@ -140,6 +156,11 @@ impl Simulator for ClientSimulator {
         scene: &Scene,
         profile: &Profile,
     ) -> Result<Box<dyn Simulation>, SimulationError> {
+        if packets::drive(scene) {
+            let source = self.world(&scene.world)?;
+            let session = self.session(scene)?;
+            return Ok(Box::new(PacketRun::new(scene, session, source, profile)));
+        }
         Ok(Box::new(self.run(scene, profile)?))
     }
 
@@ -149,6 +170,12 @@ impl Simulator for ClientSimulator {
         profile: &Profile,
         snapshot: &[u8],
     ) -> Result<Box<dyn Simulation>, SimulationError> {
+        if packets::drive(scene) {
+            return Err(SimulationError::Snapshot {
+                reason: "a replay of packets takes no snapshots: start it at its first frame"
+                    .into(),
+            });
+        }
         let source = self.world(&scene.world)?;
         Ok(Box::new(SceneRun::resume(
             scene, source, profile, snapshot,

@@ -271,9 +271,7 @@ impl SceneRun {
                 // Nobody asks for its records.
                 continue;
             }
-            if let Some(entity) = self.world.entity_mut(object.id) {
-                entity.begin_frame();
-            }
+            self.world.entities.begin_frame(object.id);
         }
         let now = self.world.clock.now + frame_length(&self.scene, frame);
         let mut input = ScriptInput {

@@ -26,6 +26,8 @@ pub(super) fn change_parts(entity: &mut Entity, appearance: &ObjDesc, world: &mu
         .parts
         .iter()
         .map(|c| (usize::from(c.part), c.shape.0));
+    // A new shape may be collided with where the part is.
+    parts.settle_parts(&world.profile);
     let known = parts.set_parts(original.chain(changes), &mut world.resources);
     if !known {
         tracing::debug!(guid = entity.body.guid, "some changed part does not exist");

@@ -144,7 +144,8 @@ fn incarnations() {
     };
     let dropped = Verdict::Dropped;
     assert_eq!(rig.send(state(0, 1)), dropped(Dropped::EarlierIncarnation));
-    assert_eq!(rig.send(state(2, 1)), dropped(Dropped::LaterIncarnation));
+    // It waits for its incarnation.
+    assert_eq!(rig.send(state(2, 1)), Verdict::Kept);
     assert_eq!(rig.send(state(1, 1)), Verdict::Applied);
     assert_eq!(rig.send(state(1, 1)), dropped(Dropped::Old(Stamp::State)));
     assert_eq!(
@@ -152,6 +153,13 @@ fn incarnations() {
         dropped(Dropped::EarlierIncarnation)
     );
     assert_eq!(rig.send(create(object(OTHER, 2))), Verdict::Applied);
+    assert_eq!(
+        (
+            rig.entity(OTHER).timestamps.0[2],
+            rig.entities.waiting().len()
+        ),
+        (1, 0)
+    );
     assert_ne!(rig.entities.get(OTHER).map(|e| e.id), first);
     assert!(rig.world.entity(first.expect("was known")).is_none());
     assert_eq!(rig.send(state(1, 9)), dropped(Dropped::EarlierIncarnation));
@@ -173,8 +181,16 @@ fn deletion() {
     assert_eq!(rig.send(delete(OTHER, 1)), Verdict::Applied);
     assert!(rig.world.entity_of_guid(OTHER).is_none());
     let unknown = Verdict::Dropped(Dropped::Unknown);
-    assert_eq!(rig.send(position(OTHER, 70.0, [1, 9, 0, 0])), unknown);
+    assert_eq!(rig.send(position(OTHER, 70.0, [1, 9, 0, 0])), Verdict::Kept);
     assert_eq!(rig.send(delete(OTHER, 1)), unknown);
+    // The same incarnation in sight again: its description has the newer place.
+    let mut again = object(OTHER, 1);
+    again.physics.timestamps[0] = 10;
+    assert_eq!(rig.send(create(again)), Verdict::Applied);
+    assert_eq!(
+        (rig.x(OTHER), rig.entity(OTHER).timestamps.0[0]),
+        (60.0, 10)
+    );
 }
 
 #[test]
@@ -285,10 +301,7 @@ fn carried_things() {
             child_position,
         })
     };
-    assert_eq!(
-        rig.send(parent(0x1234, ITEM, 2)),
-        Verdict::Dropped(Dropped::Unknown)
-    );
+    assert_eq!(rig.send(parent(0x1234, ITEM, 2)), Verdict::Kept);
     assert_eq!(
         rig.send(parent(ITEM, ITEM, 2)),
         Verdict::Dropped(Dropped::NotAttachable)
@@ -389,4 +402,53 @@ fn wrapped_stamps() {
     ] {
         assert_eq!(is_newer(stored, incoming), newer, "{stored} {incoming}");
     }
+}
+
+#[test]
+fn messages_wait_for_their_object_within_bounds() {
+    let mut rig = Rig::new();
+    for i in 1..=20 {
+        let verdict = rig.send(position(ITEM, 60.0 + f32::from(i), [1, i, 1, 0]));
+        let kept = verdict == Verdict::Kept;
+        assert_eq!(kept, i <= 16, "{verdict:?}");
+    }
+    for guid in 0..40u32 {
+        for i in 1..=16 {
+            rig.send(position(0x9000_0000 + guid, 60.0, [1, i, 0, 0]));
+        }
+    }
+    assert_eq!(rig.entities.waiting().len(), 256);
+    assert!(rig.entities.waiting().refused() > 0);
+    assert_eq!(rig.send(create(object(ITEM, 1))), Verdict::Applied);
+    // They are applied in their order, the last one stands.
+    assert_eq!((rig.entity(ITEM).timestamps.0[0], rig.x(ITEM)), (16, 61.0));
+    assert_eq!(rig.entities.waiting().len(), 240);
+}
+
+#[test]
+fn an_attachment_waits_for_both() {
+    let mut rig = Rig::new();
+    let attach = PlainServerMessage::ParentEvent(m::ParentEvent {
+        parent: 0x8000_0010,
+        child: ITEM,
+        location: 1,
+        placement: 0x65,
+        parent_instance: 1,
+        child_position: 1,
+    });
+    assert_eq!(rig.send(attach), Verdict::Kept);
+    let mut item = object(ITEM, 1);
+    item.physics.fields.setup = Some(0x0200_0008);
+    item.physics.fields.motion_table = None;
+    assert_eq!(rig.send(create(item)), Verdict::Applied);
+    assert_eq!(
+        (rig.entity(ITEM).parent(), rig.entities.waiting().len()),
+        (None, 1)
+    );
+    assert_eq!(rig.send(create(object(0x8000_0010, 1))), Verdict::Applied);
+    let parent = rig.entities.get(0x8000_0010).map(|e| e.id);
+    assert_eq!(
+        (rig.entity(ITEM).parent(), rig.entities.waiting().len()),
+        (parent, 0)
+    );
 }

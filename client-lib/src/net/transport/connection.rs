@@ -108,6 +108,9 @@ pub struct ConnectionStats {
     pub packets_lost: u64,
 }
 
+/// A number further ahead than this is not waited for: it is forged or damaged.
+const MAX_GAP: u32 = 4096;
+
 struct Sent {
     at: f64,
     bytes: Vec<u8>,
@@ -324,6 +327,29 @@ impl Connection {
                 }
             }
         }
+    }
+
+    /// Whether packets are held because an earlier one is missing.
+    pub fn is_waiting(&self) -> bool {
+        !self.held.is_empty()
+    }
+
+    /// Gives up the packets that are missing before the first held one, and goes on with that: for a reader of recordings, which cannot ask
+    /// for them. Does nothing when none is held.
+    pub fn give_up(&mut self, now: f64, out: &mut Vec<Incoming>) {
+        let Some((&first, _)) = self.held.first_key_value() else {
+            return;
+        };
+        if first - self.last > MAX_GAP {
+            self.held.remove(&first);
+            return out.push(Incoming::Anomaly(Anomaly::TooFarAhead(first)));
+        }
+        for missing in self.last + 1..first {
+            self.stats.packets_lost += 1;
+            out.push(Incoming::Anomaly(Anomaly::Lost(missing)));
+        }
+        self.last = first - 1;
+        self.advance(now, out);
     }
 
     fn process(&mut self, packet: &Packet<'_>, now: f64, out: &mut Vec<Incoming>) {

@@ -35,6 +35,11 @@ impl CellTree {
         }
     }
 
+    /// The planes, and the zero plane for a leaf at the end.
+    pub fn planes(&self) -> &[Plane] {
+        &self.planes
+    }
+
     /// Whether a point is inside (`point_inside_cell_bsp`); up to ε behind a plane still is.
     pub fn contains(&self, point: Vec3) -> bool {
         !self

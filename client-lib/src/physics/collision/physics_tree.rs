@@ -304,19 +304,26 @@ impl PhysicsTree {
         }
     }
 
-    /// The leaf's polygons, in stored order; none if its sphere does not intersect `sphere`.
+    /// The leaf's polygons that `sphere` can touch, in stored order; none if the leaf's sphere does not intersect it.
     fn polygons_at(
         &self,
         leaf: &Leaf,
         sphere: &Sphere,
         profile: &Profile,
     ) -> impl Iterator<Item = (PolygonIndex, Polygon<'_>)> {
-        let range = if leaf.count > 0 && leaf.sphere.intersects(sphere, profile) {
+        Self::range_at(leaf, sphere, profile)
+            .filter(|&i| self.polygons.is_reached(i as usize, sphere))
+            .filter_map(|i| Some((PolygonIndex(i), self.polygon(PolygonIndex(i))?)))
+    }
+
+    /// Numbers of the leaf's polygons; none if its sphere does not intersect `sphere`.
+    #[inline]
+    fn range_at(leaf: &Leaf, sphere: &Sphere, profile: &Profile) -> core::ops::Range<u32> {
+        if leaf.count > 0 && leaf.sphere.intersects(sphere, profile) {
             leaf.polygons()
         } else {
             0..0
-        };
-        range.filter_map(|i| Some((PolygonIndex(i), self.polygon(PolygonIndex(i))?)))
+        }
     }
 
     /// Looks for a polygon that a sphere hits which came by `movement` (10.2).
@@ -376,8 +383,15 @@ impl PhysicsTree {
             match self.descend(link, &s.sphere, s.sphere.radius - EPSILON, profile) {
                 Stop::Nothing => return,
                 Stop::Leaf(leaf) => {
-                    let at_entry = s.sphere;
-                    for (index, polygon) in self.polygons_at(leaf, &at_entry, profile) {
+                    // The sphere moves while the polygons are looked at.
+                    for i in Self::range_at(leaf, &s.sphere, profile) {
+                        if !self.polygons.is_reached(i as usize, &s.sphere) {
+                            continue;
+                        }
+                        let index = PolygonIndex(i);
+                        let Some(polygon) = self.polygon(index) else {
+                            continue;
+                        };
                         if polygon.walkable_hits_sphere(&s.sphere, s.up, s.walkable_allowance)
                             && polygon.adjust_sphere_to_plane(
                                 &mut s.sphere,

@@ -1,7 +1,7 @@
 //! Polygons in one piece of memory: headers in one list, all corners in another.
 
 use super::polygon::{Polygon, make_plane};
-use crate::math::{Plane, Vec3};
+use crate::math::{EPSILON, Plane, Sphere, Vec3};
 use crate::profile::Profile;
 
 /// Polygons of one owner, found by position, which is their key in the dat files.
@@ -42,6 +42,16 @@ impl PolygonList {
                 .vertices
                 .get(first..first + usize::from(header.vertex_count))?,
             single_sided: header.single_sided,
+        })
+    }
+
+    /// Whether a sphere reaches the plane of the polygon at that position: only then can it touch the polygon. As the overlap of
+    /// [`Polygon`]; a plane that is not a number is reached.
+    #[inline]
+    pub(super) fn is_reached(&self, index: usize, sphere: &Sphere) -> bool {
+        self.headers.get(index).is_some_and(|header| {
+            let beyond = header.plane.distance(sphere.center).abs() > sphere.radius - EPSILON;
+            !beyond
         })
     }
 

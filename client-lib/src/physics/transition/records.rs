@@ -299,6 +299,7 @@ impl<'w> Transition<'w> {
             path: SpherePath::default(),
             info: CollisionInfo::default(),
             cells: CellArray::default(),
+            list_memo: None,
             progress: Progress::default(),
             missing: None,
         }

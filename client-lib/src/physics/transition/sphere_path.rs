@@ -1,7 +1,7 @@
 //! Operations on the path that need cells or polygons (`spec/05-transition.md`, section 8).
 
 use super::state::{Transition, TransitionState};
-use crate::math::{CellId, Position, Vec3, block_offset};
+use crate::math::{CellId, Position, Sphere, Vec3, block_offset};
 use crate::world::CellHandle;
 
 impl Transition<'_> {
@@ -25,6 +25,20 @@ impl Transition<'_> {
         self.path.curr_pos = self.path.check_pos;
         self.path.curr_cell = self.path.check_cell;
         self.path.cache_global_curr_center(profile);
+    }
+
+    /// As [`check_pos_to_curr_pos`](Self::check_pos_to_curr_pos), directly after the state under test was accepted: both positions are the same,
+    /// and so are the centres of the spheres.
+    pub(super) fn begin_at_accepted_pos(&mut self) {
+        let profile = self.profile();
+        let path = &mut self.path;
+        path.cell_array_valid = false;
+        for i in 0..path.num_sphere.min(2) {
+            path.global_sphere[i] =
+                Sphere::new(path.global_curr_center[i], path.local_sphere[i].radius);
+        }
+        let low = path.local_low_point;
+        path.global_low_point = path.check_pos.frame.local_to_global(low, profile);
     }
 
     /// Saves the state under test in its single backup.

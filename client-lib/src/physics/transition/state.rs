@@ -5,7 +5,7 @@ use bitflags::bitflags;
 use crate::math::{CellId, Plane, Position, Sphere, Vec3};
 use crate::physics::body::ObjectRef;
 use crate::physics::collision::Polygon;
-use crate::world::{CellHandle, World};
+use crate::world::{CellHandle, CellListMemo, World};
 
 /// What one test or insertion answers (4.1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -278,6 +278,8 @@ pub struct Transition<'w> {
     pub info: CollisionInfo,
     /// Cells touched.
     pub cells: CellArray,
+    /// Where that list is still the right one.
+    pub(crate) list_memo: Option<CellListMemo>,
     /// Counters.
     pub progress: Progress,
     /// Something that can be loaded was looked up and is not loaded: the result means nothing, load it and run again.

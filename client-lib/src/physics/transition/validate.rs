@@ -17,7 +17,7 @@ impl Transition<'_> {
         let ts = match inserted {
             TransitionState::Ok => {
                 self.accept_check_pos();
-                self.check_pos_to_curr_pos();
+                self.begin_at_accepted_pos();
                 TransitionState::Ok
             }
             TransitionState::Invalid => TransitionState::Invalid,

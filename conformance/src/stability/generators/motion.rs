@@ -290,7 +290,7 @@ fn both_directions(t: &mut Trial) {
 fn heading_seam(t: &mut Trial) {
     let p = t.profile.clone();
     let right = Command::TURN_RIGHT;
-    let near = heading_diff(359.999_95, 0.0, right, &p);
+    let near = heading_diff(359.999_94, 0.0, right, &p);
     t.promise(near + ac_client::math::EPSILON > 360.0, || {
         format!("359.99995 is {near} away")
     });
@@ -301,7 +301,7 @@ fn heading_seam(t: &mut Trial) {
         0.0_f32,
         0.0001,
         180.0,
-        359.999_95,
+        359.999_94,
         360.0,
         720.0,
         -90.0,
