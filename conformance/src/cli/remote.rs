@@ -9,6 +9,7 @@ use crate::remote::{self, Opened, Options};
 /// Options for `s3://`, `gs://`, `az://`, `http(s)://` and `file://` paths.
 #[derive(clap::Args)]
 #[command(next_help_heading = "Corpora at URLs")]
+#[group(id = "remote")]
 pub struct Args {
     /// Folder in which fetched files are kept. Default: AC_CONFORM_CACHE, else `ac-conform` in the user's folder of caches.
     #[arg(long, value_name = "DIR")]
