@@ -116,7 +116,7 @@ mod tests {
 
     /// An IPv4 packet with a fragment of a UDP datagram.
     fn fragment(offset: u16, more: bool) -> Vec<u8> {
-        let field = offset / 8 | if more { 0x2000 } else { 0 };
+        let field = (offset / 8) | if more { 0x2000 } else { 0 };
         let mut p = vec![0x45, 0, 0, 36, 0, 7];
         p.extend(field.to_be_bytes());
         p.extend([64, 17, 0, 0, 10, 0, 0, 1, 10, 0, 0, 2]);
