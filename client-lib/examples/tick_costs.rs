@@ -58,7 +58,8 @@ fn bytes_per_object(make: impl Fn(usize) -> Case) -> f64 {
 }
 
 fn report_memory() {
-    let cases: [(&str, fn(usize) -> Case); 2] = [
+    type Make = fn(usize) -> Case;
+    let cases: [(&str, Make); 2] = [
         ("idle_npc", common::idle_npcs),
         ("at_rest", |count| common::mostly_idle(count, 0)),
     ];

@@ -6,10 +6,13 @@ use std::time::Instant;
 use super::*;
 use crate::format::{Recording, read_bytes};
 
+/// Files by path, with what was written into them.
+type Written = Arc<Mutex<Vec<(PathBuf, Vec<u8>)>>>;
+
 /// Files in memory on a disk of limited size and speed.
 #[derive(Clone, Default)]
 struct Memory {
-    files: Arc<Mutex<Vec<(PathBuf, Vec<u8>)>>>,
+    files: Written,
     room: Arc<AtomicUsize>,
     delay: Duration,
 }
