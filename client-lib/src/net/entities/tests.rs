@@ -421,7 +421,7 @@ fn messages_wait_for_their_object_within_bounds() {
     assert!(rig.entities.waiting().refused() > 0);
     assert_eq!(rig.send(create(object(ITEM, 1))), Verdict::Applied);
     // They are applied in their order, the last one stands.
-    assert_eq!((rig.entity(ITEM).timestamps.0[0], rig.x(ITEM)), (16, 61.0));
+    assert_eq!((rig.entity(ITEM).timestamps.0[0], rig.x(ITEM)), (16, 76.0));
     assert_eq!(rig.entities.waiting().len(), 240);
 }
 
