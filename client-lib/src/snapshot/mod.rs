@@ -1,4 +1,4 @@
-//! Snapshots: everything that changes in a [`World`](crate::world::World), as plain data that outlives the program that took it.
+//! Snapshots: everything that changes in a [`World`], as plain data that outlives the program that took it.
 //!
 //! A snapshot is taken between two frames and restored into a new world over the same dat files and profile. The restored world goes on bit
 //! for bit like the one it was taken of. It is not an image of memory: each type of the library has a *form*, a plain serde type whose fields

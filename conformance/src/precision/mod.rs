@@ -1,6 +1,6 @@
 //! Error against run time: what each choice of fidelity costs, and what it buys.
 //!
-//! A scene is run under a [grid](grid) of settings: quanta of one length, frame rates, fewer updates of remote entities, other profiles, the scene
+//! A scene is run under a [`grid`] of settings: quanta of one length, frame rates, fewer updates of remote entities, other profiles, the scene
 //! plan. Each run has a cost (time and instructions per simulated second, [`cost`]) and three errors ([`track`]): what is shown against the
 //! oracle's trace, the path against a converged reference, and, for [scenes with a solution](cases), the path against the truth. A
 //! [summary] draws the conclusions: order of convergence, Pareto front, the cheapest setting that is good enough.
