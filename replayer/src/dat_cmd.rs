@@ -425,7 +425,11 @@ mod tests {
 
     #[test]
     fn check_bad() {
-        let folder = tempfile::tempdir().expect("a folder");
+        // `W/` stands for the worlds: no drawn name may end so.
+        let folder = tempfile::Builder::new()
+            .suffix("-bad")
+            .tempdir()
+            .expect("a folder");
         let mut bytes = std::fs::read(worlds().join("testbed/client_cell_1.dat"))
             .expect("a file of this repository");
         let file =
